@@ -13,7 +13,7 @@ use amontons::scene::{Experiment, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Simulation, Variable, variables};
 use amontons_analysis::assign::assign;
-use amontons_analysis::output::Pending;
+use amontons_analysis::output::AtomicFile;
 use amontons_export::scene::find;
 use clap::Parser;
 use std::error::Error;
@@ -195,7 +195,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     match &arguments.output {
         None => write_run(arguments, &mut coupled, times, &mut BufWriter::new(stdout().lock())),
         Some(path) => {
-            let mut file = Pending::create(path)?;
+            let mut file = AtomicFile::create(path)?;
             write_run(arguments, &mut coupled, times, &mut file)?;
             Ok(file.complete()?)
         }

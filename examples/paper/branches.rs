@@ -6,7 +6,7 @@ use amontons::Error;
 use amontons::scene::{Method, Scene};
 use amontons_analysis::stability::candidates::{Bistability, bistability};
 use amontons_analysis::study::{
-    Continuation, Journal, Jump, Look, Plan, Point, Push, Watch, continuation,
+    Continuation, Journal, Jump, ObservationSettings, Plan, Point, Push, Watch, continuation,
 };
 use amontons_cli::charts::continuation::{chart, describe};
 use amontons_pictures::report::{Claim, Content, Figure, Section, Table};
@@ -32,22 +32,22 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     for (place, (name, figure)) in [("set2", 6), ("set1", 7)].into_iter().enumerate() {
         let part = |part: f64| (watch.progress)(0.5 * (place as f64 + part));
         let watch = Watch { go_on: watch.go_on, progress: &part };
-        let (scene, look) = scene(name, &[])?;
+        let (scene, observation) = scene(name, &[])?;
         let values: Vec<f64> = (FRICTION[0]..=FRICTION[1]).map(|i| f64::from(i) / 100.0).collect();
-        let Some(found) = follow(&scene, &look, &values, watch)? else { return Ok(None) };
+        let Some(found) = follow(&scene, &observation, &values, watch)? else { return Ok(None) };
         let known = bistability(&scene, [values[0], values[values.len() - 1]], &|_| {})?;
         section.figures.push(Figure {
             caption: format!("Fig. {figure}: motions of {name} over rising and falling µ"),
             command: Some(format!(
                 "amontons study continuation {name} --friction 1.5:2.5:0.01 --resolution 1e-5"
             )),
-            content: Content::Chart(chart(&scene, &look, &found, Some(&known))),
+            content: Content::Chart(chart(&scene, &observation, &found, Some(&known))),
         });
         let branches = Branches::of(&found, &known);
         let claims = if name == "set2" { subcritical(&branches) } else { two_branches(&branches) };
         section.claims.extend(claims);
         section.text.push(ranges(name, &found));
-        let Some(table) = both_integrators(name, &scene, &look, &found, watch)? else {
+        let Some(table) = both_integrators(name, &scene, &observation, &found, watch)? else {
             return Ok(None);
         };
         section.tables.push(table);
@@ -57,12 +57,12 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
 
 fn follow(
     scene: &Scene,
-    look: &Look,
+    observation: &ObservationSettings,
     values: &[f64],
     watch: Watch<'_>,
 ) -> Result<Option<Continuation>, Error> {
     let push = Push::of(scene);
-    let plan = Plan { scene, look, values, resolution: RESOLUTION, push, candidates: &[] };
+    let plan = Plan { scene, observation, values, resolution: RESOLUTION, push, candidates: &[] };
     continuation(&plan, &Journal::forgotten(), watch)
 }
 
@@ -204,7 +204,7 @@ fn two_branches(found: &Branches) -> Vec<Claim> {
 fn both_integrators(
     name: &str,
     scene: &Scene,
-    look: &Look,
+    observation: &ObservationSettings,
     exact: &Continuation,
     watch: Watch<'_>,
 ) -> Result<Option<Table>, Error> {
@@ -215,7 +215,7 @@ fn both_integrators(
     let first = hundredth(at().fold(f64::INFINITY, f64::min)) - 2;
     let last = hundredth(at().fold(0.0, f64::max)) + 2;
     let values: Vec<f64> = (first..=last).map(|i| f64::from(i) / 100.0).collect();
-    let Some(found) = follow(&scheme, look, &values, watch)? else { return Ok(None) };
+    let Some(found) = follow(&scheme, observation, &values, watch)? else { return Ok(None) };
     let rows = exact.jumps.iter().enumerate().map(|(place, jump)| {
         let other = found.jumps.get(place).filter(|other| other.way == jump.way);
         let apart = other.map_or(f64::INFINITY, |other| (other.at() / jump.at() - 1.0).abs());

@@ -236,7 +236,7 @@ fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table)
 fn classes(model: &LumpedModel) -> Result<Vec<(String, usize)>, Error> {
     let classes = StateClasses::of(model)?;
     let named = |(class, states): (usize, &Vec<_>)| {
-        (amontons::contact::Joined(states).to_string(), classes.members(class).count())
+        (amontons::contact::JoinedStates(states).to_string(), classes.members(class).count())
     };
     Ok(classes.representatives.iter().enumerate().map(named).collect())
 }

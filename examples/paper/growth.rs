@@ -10,8 +10,8 @@ use amontons_cli::charts::transient::chart;
 use amontons_pictures::report::{Content, Figure, Section, Table};
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
-    let (scene, look) = scene("set1", &[])?;
-    let experiment = Experiment { output_interval: look.interval, ..scene.experiment };
+    let (scene, observation) = scene("set1", &[])?;
+    let experiment = Experiment { output_interval: observation.interval, ..scene.experiment };
     let found = transient(&scene, experiment, Some("module[1].x1"), watch)?;
     if let Some(failure) = found.failure {
         return Err(failure);

@@ -7,8 +7,8 @@ use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::study::{
-    Change, Journal, LimitCycles, Look, MotionBracket, Outcome, Portrait, Question, Watch, Wish,
-    limit_cycles,
+    Change, Journal, LimitCycles, MotionBracket, ObservationRequest, ObservationSettings, Outcome,
+    Portrait, Question, Watch, limit_cycles,
 };
 use amontons_cli::charts::limit_cycle::Results;
 use amontons_pictures::report::{Claim, Content, Figure, Section};
@@ -34,7 +34,7 @@ const AWAY: f64 = 1e-12;
 const SAME: f64 = 2e-3;
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
-    let (scene, look) = scene("set1", &[("friction.coefficient", FRICTION)])?;
+    let (scene, observation) = scene("set1", &[("friction.coefficient", FRICTION)])?;
     let question = Question {
         name: "slider.velocity".to_owned(),
         values: (1..=LAST).map(|i| f64::from(i) / 100.0).collect(),
@@ -42,10 +42,12 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         portraits: Some(SHOWN.to_vec()),
         contacts: 2,
     };
-    let prepare = |scene: &mut Scene| Look::paced(scene, &Wish::default());
+    let prepare =
+        |scene: &mut Scene| ObservationSettings::paced(scene, &ObservationRequest::default());
     let found = limit_cycles(&scene, &prepare, &question, &Journal::forgotten(), watch)?;
     let Some(found) = found else { return Ok(None) };
-    let results = Results { scene: &scene, of: &look.of, question: &question, found: &found };
+    let results =
+        Results { scene: &scene, of: &observation.of, question: &question, found: &found };
     let command = format!(
         "amontons study limit-cycle set1 --set friction.coefficient={FRICTION} \
          --parameter slider.velocity=0.01:0.4:0.01 --portrait 0.05 --portrait 0.15 --portrait 0.25"

@@ -21,7 +21,7 @@ mod perturbations;
 use amontons::Error;
 use amontons::scene::{Scene, named};
 use amontons_analysis::assign::assign;
-use amontons_analysis::study::{Look, Watch, Wish};
+use amontons_analysis::study::{ObservationRequest, ObservationSettings, Watch};
 use amontons_cli::exit;
 use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
@@ -68,7 +68,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     fs::create_dir_all(folder).map_err(|error| Error::file(folder, &error))?;
     let path = folder.join("index.html");
     // An output folder that cannot be written is reported before the work.
-    let pending = amontons_analysis::output::Pending::create(&path)?;
+    let pending = amontons_analysis::output::AtomicFile::create(&path)?;
     if let Some(partial) = pending.partial() {
         let _ = fs::remove_file(partial);
     }
@@ -122,13 +122,13 @@ const LEAD: [&str; 2] = [
 ];
 
 /// A built-in scene with other values and with the method and step of studies, and its observation settings.
-fn scene(name: &str, values: &[(&str, f64)]) -> Result<(Scene, Look), Error> {
+fn scene(name: &str, values: &[(&str, f64)]) -> Result<(Scene, ObservationSettings), Error> {
     let mut scene = named(name)?.scene();
     for (name, value) in values {
         assign(&mut scene, name, *value)?;
     }
-    let look = Look::paced(&mut scene, &Wish::default())?;
-    Ok((scene, look))
+    let observation = ObservationSettings::paced(&mut scene, &ObservationRequest::default())?;
+    Ok((scene, observation))
 }
 
 fn time(times: &[(&str, f64)]) -> Section {

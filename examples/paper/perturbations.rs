@@ -9,7 +9,7 @@ use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::perturbation::{Direction, Run, Threshold, perturbation};
-use amontons_analysis::study::{Journal, Look, Watch, history};
+use amontons_analysis::study::{Journal, ObservationSettings, Watch, history};
 use amontons_cli::charts::perturbation::{endings, histories, thinned};
 use amontons_pictures::picture::{Chart, Panel, Series};
 use amontons_pictures::report::{Claim, Content, Figure, Section};
@@ -29,14 +29,14 @@ const PIECE: f64 = 0.1;
 const STEADY: f64 = 0.01;
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
-    let (scene, look) = scene("set2", &[])?;
+    let (scene, observation) = scene("set2", &[])?;
     let at = |i: u32| FIRST + (LAST - FIRST) * f64::from(i) / f64::from(COUNT - 1);
     let direction = Direction {
         name: "initial.module[1].v2".to_owned(),
         amplitudes: (0..COUNT).map(at).collect(),
         resolution: 1e-4,
     };
-    let found = perturbation(&scene, &direction, &look, &Journal::forgotten(), watch)?;
+    let found = perturbation(&scene, &direction, &observation, &Journal::forgotten(), watch)?;
     let Some(found) = found else { return Ok(None) };
     let ending = |run: Option<&Run>| run.and_then(|run| run.ending.clone());
     let rests = ending(found.runs.first()).is_some_and(|ending| ending.rests());
@@ -52,12 +52,12 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     let claims = claims(&[runs[0], runs[1]], [rests, cycles], &thresholds.join(", "));
     let mut section = Section { claims, ..Section::default() };
     let is_over = || (watch.go_on)().is_break();
-    let Some(small_and_large) = histories_of(&scene, &direction, &look, &is_over)? else {
+    let Some(small_and_large) = histories_of(&scene, &direction, &observation, &is_over)? else {
         return Ok(None);
     };
     section.figures.push(small_and_large);
     if let Some(threshold) = found.thresholds.first() {
-        let chart = histories(&scene, &direction, &look, (&found, threshold), &is_over)?;
+        let chart = histories(&scene, &direction, &observation, (&found, threshold), &is_over)?;
         let Some(chart) = chart else { return Ok(None) };
         section.figures.push(Figure {
             caption: "Beside Fig. 5: Set 2 at µ = 1.96 after two perturbations that nearly agree: one decays, one reaches the \
@@ -75,7 +75,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
             "Attractors of Set 2 at µ = 1.96 over the initial velocity of the upper mass of module 1"
                 .to_owned(),
         command: None,
-        content: Content::Chart(endings(&scene, &direction, &look, &found)),
+        content: Content::Chart(endings(&scene, &direction, &observation, &found)),
     });
     Ok(Some(section))
 }
@@ -84,18 +84,18 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
 fn histories_of(
     scene: &Scene,
     direction: &Direction,
-    look: &Look,
+    observation: &ObservationSettings,
     is_over: &dyn Fn() -> bool,
 ) -> Result<Option<Figure>, Error> {
     let mut panels = Vec::new();
     for (colour, amplitude) in [FIRST, LAST].into_iter().enumerate() {
-        let rows = history(scene, (&direction.name, amplitude), look, DURATION, is_over)?;
+        let rows = history(scene, (&direction.name, amplitude), observation, DURATION, is_over)?;
         let Some(rows) = rows else { return Ok(None) };
         panels.push(Panel {
-            y_label: format!("{} [m]", look.of),
+            y_label: format!("{} [m]", observation.of),
             series: vec![Series {
                 label: Some(format!("from {amplitude} m/s")),
-                points: thinned(&rows, look.interval),
+                points: thinned(&rows, observation.interval),
                 colour,
                 ..Series::default()
             }],

@@ -9,7 +9,7 @@ pub mod friction;
 mod local;
 pub mod residual;
 
-pub use friction::{Friction, FrictionLaw, FrictionRange, Law, UnderLaw};
+pub use friction::{Friction, FrictionLaw, FrictionRange, Law, LawVisitor};
 pub use local::{LocalProblem, LocalSolution};
 
 use crate::Error;
@@ -126,9 +126,9 @@ impl fmt::Display for ContactState {
 }
 
 /// Several contact states, displayed joined as in the paper: `Sl-St`.
-pub struct Joined<'a>(pub &'a [ContactState]);
+pub struct JoinedStates<'a>(pub &'a [ContactState]);
 
-impl fmt::Display for Joined<'_> {
+impl fmt::Display for JoinedStates<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, state) in self.0.iter().enumerate() {
             if i > 0 {
@@ -215,7 +215,7 @@ struct Closing {
     detachment: bool,
 }
 
-impl UnderLaw for Closing {
+impl LawVisitor for Closing {
     type Output = ContactForce;
 
     fn under<L: FrictionLaw>(self) -> ContactForce {
@@ -265,7 +265,8 @@ mod tests {
 
     #[test]
     fn states_are_enumerated_once_each_in_the_papers_order() {
-        let names: Vec<String> = all_states(2).map(|states| Joined(&states).to_string()).collect();
+        let names: Vec<String> =
+            all_states(2).map(|states| JoinedStates(&states).to_string()).collect();
         assert_eq!(names.len(), 16);
         assert_eq!(names[..5], ["Sl-Sl", "Sl-R-Sl", "Sl-St", "Sl-Dt", "R-Sl-Sl"]);
         assert_eq!(names[15], "Dt-Dt");
@@ -274,7 +275,7 @@ mod tests {
     #[test]
     fn names_of_states_read_back() {
         for states in all_states(2) {
-            assert_eq!(parse_states(&Joined(&states).to_string(), 2), Ok(states));
+            assert_eq!(parse_states(&JoinedStates(&states).to_string(), 2), Ok(states));
         }
         assert_eq!(parse_states("R-Sl", 3), Ok(vec![ContactState::ReverseSlide; 3]));
         for wrong in ["", "Sl-", "Sl-St-Dt", "sl", "SlSt", "-Sl"] {

@@ -1,7 +1,9 @@
 //! Equation of motion with contacts on sparse matrices, shared by the integrators for any structure.
 
-use super::contact_problem::{ContactProblem, Delassus, Freedom, FreedomOf, freedom_of};
-use super::{Drive, Kept, Motion, Push, Response, StepFailure};
+use super::contact_problem::{
+    ConstraintOf, ContactConstraint, ContactProblem, Delassus, constraint_of,
+};
+use super::{AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Motion, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactLaw, ContactState};
 use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
@@ -17,7 +19,7 @@ pub(super) struct Dynamics {
     pub(super) dampers: SparseMatrix,
     pub(super) contacts: Vec<Contact>,
     pub(super) law: ContactLaw,
-    pub(super) freedom_of: FreedomOf,
+    pub(super) constraint_of: ConstraintOf,
     pub(super) inverse_mass: SparseMatrix,
     /// M⁻¹ Gᵀ, one pair (normal, tangent) for each contact.
     pub(super) responses: Vec<[Direction; 2]>,
@@ -58,7 +60,7 @@ impl Dynamics {
             problem: ContactProblem::new(delassus),
             contacts: model.contacts.clone(),
             law: model.law,
-            freedom_of: freedom_of(model.law),
+            constraint_of: constraint_of(model.law),
             inverse_mass,
             responses,
             force: vec![0.0; dofs],
@@ -95,10 +97,10 @@ impl Dynamics {
 
     /// Counts, if the law of contact is reduced, the contacts that would have needed the omitted parts with the
     /// velocities and multipliers at the end of a step.
-    pub(super) fn count_broken(&self, motion: &mut Motion, velocity: &[f64], drive: &Drive) {
+    pub(super) fn count_broken(&self, motion: &mut Motion, velocity: &[f64], inputs: &Inputs) {
         let (has_direction, detachment) = (self.law.has_frozen_direction(), self.law.detachment);
         for (i, contact) in self.contacts.iter().enumerate() {
-            let surface = drive.slider_velocity[i];
+            let surface = inputs.slider_velocity[i];
             let slip = surface - contact.tangent.dot(velocity);
             let is_closed = motion.contacts[i] != ContactState::Detached;
             let is_reversed = has_direction && is_closed && slip * surface < 0.0;
@@ -114,16 +116,16 @@ impl Dynamics {
     /// Returns the contact that could not be solved.
     pub(super) fn respond(
         &mut self,
-        kept: Kept<'_>,
-        push: Push<'_>,
-        response: &mut Response,
+        kept: HeldStates<'_>,
+        push: AppliedLoad<'_>,
+        response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
         self.push(push, response);
         for (i, contact) in self.contacts.iter().enumerate() {
-            self.problem.freedom[i] = match kept.states[i] {
-                ContactState::Detached => Freedom::Open,
-                ContactState::Stick => Freedom::Fixed,
-                state => Freedom::Guided { slope: kept.slopes[i], state },
+            self.problem.constraint[i] = match kept.states[i] {
+                ContactState::Detached => ContactConstraint::Open,
+                ContactState::Stick => ContactConstraint::Fixed,
+                state => ContactConstraint::Guided { slope: kept.slopes[i], state },
             };
             self.problem.free[i] = [
                 contact.normal.dot(&response.acceleration),
@@ -132,19 +134,19 @@ impl Dynamics {
         }
         self.problem.solve(kept.states)?;
         response.forces.copy_from_slice(&self.problem.forces);
-        self.carry(response);
+        self.add_contact_accelerations(response);
         Ok(())
     }
 
     /// Writes the accelerations without contact forces.
-    pub(super) fn push(&self, push: Push<'_>, response: &mut Response) {
+    pub(super) fn push(&self, push: AppliedLoad<'_>, response: &mut ConstrainedResponse) {
         for (row, acceleration) in response.acceleration.iter_mut().enumerate() {
             *acceleration = self.inverse_mass.row_times(row, push.force);
         }
     }
 
     /// Adds to the accelerations those that the contact forces cause.
-    pub(super) fn carry(&self, response: &mut Response) {
+    pub(super) fn add_contact_accelerations(&self, response: &mut ConstrainedResponse) {
         for (forces, responses) in response.forces.iter().zip(&self.responses) {
             for (&force, direction) in forces.iter().zip(responses) {
                 direction.add_to(&mut response.acceleration, force);
@@ -159,10 +161,10 @@ impl Dynamics {
     pub(super) fn contact_forces(
         &mut self,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
-        self.contact_forces_from(&motion.contacts, motion, drive, forces)
+        self.contact_forces_from(&motion.contacts, motion, inputs, forces)
     }
 
     /// The contact forces at the present instant, starting from these contact states; see
@@ -174,28 +176,31 @@ impl Dynamics {
         &mut self,
         states: &[ContactState],
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
-        self.free_acceleration(motion, &drive.force);
+        self.free_acceleration(motion, &inputs.force);
         for (i, contact) in self.contacts.iter().enumerate() {
-            let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
+            let slip = inputs.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
             let before = if slip == 0.0 { ContactState::Stick } else { states[i] };
-            let held = (self.freedom_of)(drive.friction[i], slip, drive.slider_velocity[i], before);
+            let held =
+                (self.constraint_of)(inputs.friction[i], slip, inputs.slider_velocity[i], before);
             let slipping = |direction| held.slipping(direction);
-            self.problem.freedom[i] = match (states[i], states[i].sliding_direction()) {
-                (ContactState::Detached, _) => Freedom::Open,
+            self.problem.constraint[i] = match (states[i], states[i].sliding_direction()) {
+                (ContactState::Detached, _) => ContactConstraint::Open,
                 (ContactState::Stick, _) => held,
                 _ if slip == 0.0 => held,
                 // A slip of rounding does not reverse the state; a slider whose velocity was changed does.
-                (_, Some(direction)) if slip.abs() <= ROUNDING * drive.slider_velocity[i].abs() => {
+                (_, Some(direction))
+                    if slip.abs() <= ROUNDING * inputs.slider_velocity[i].abs() =>
+                {
                     slipping(direction)
                 }
                 _ => slipping(slip.signum()),
             };
             self.problem.free[i] = [
                 contact.normal.dot(&self.acceleration),
-                contact.tangent.dot(&self.acceleration) - drive.slider_acceleration[i],
+                contact.tangent.dot(&self.acceleration) - inputs.slider_acceleration[i],
             ];
         }
         if self.law.follows_size() {
@@ -206,7 +211,7 @@ impl Dynamics {
             let [normal_force, friction_force] = self.problem.forces[i];
             let slip = match states[i] {
                 ContactState::Stick => 0.0,
-                _ => drive.slider_velocity[i] - self.contacts[i].tangent.dot(&motion.velocity),
+                _ => inputs.slider_velocity[i] - self.contacts[i].tangent.dot(&motion.velocity),
             };
             *out = ContactForce {
                 state: self.problem.states[i],

@@ -1,4 +1,4 @@
-//! Time integration: an immutable integrator moves a mutable [`Motion`] under a [`Drive`].
+//! Time integration: an immutable integrator moves a mutable [`Motion`] under a [`Inputs`].
 //!
 //! [`choose`] picks the integrator once, from the structure of the model; the steps then test no option.
 
@@ -116,7 +116,7 @@ impl Statistics {
 /// The forward increment scheme takes the forces at the beginning and the velocities at the end of a step; the
 /// event-driven integrator lets both change linearly, plus the waves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drive {
+pub struct Inputs {
     /// All forces but those of springs, dampers and contacts, N, at the beginning; one value for each degree of
     /// freedom.
     pub force: Vec<f64>,
@@ -169,7 +169,7 @@ impl Wave {
     }
 }
 
-impl Drive {
+impl Inputs {
     /// A drive with these forces (N, one for each degree of freedom), and the same v (m/s) and friction for each of
     /// `contacts` contacts.
     #[must_use]
@@ -193,7 +193,7 @@ impl Drive {
 /// Contacts that keep their states: those that are closed do not open, those that stick do not slip, and those
 /// that slide have T = slope · N.
 #[derive(Clone, Copy, Debug)]
-pub struct Kept<'a> {
+pub struct HeldStates<'a> {
     /// The state of each contact.
     pub states: &'a [ContactState],
     /// ±µ of each contact that slides; ignored in the other states.
@@ -202,23 +202,23 @@ pub struct Kept<'a> {
 
 /// The actions on the masses, contacts apart.
 #[derive(Clone, Copy, Debug)]
-pub struct Push<'a> {
+pub struct AppliedLoad<'a> {
     /// F − C ẋ − K x, N; one value for each degree of freedom.
     pub force: &'a [f64],
     /// Slider accelerations v̇, m/s², which stuck contacts follow; one value for each contact.
     pub slider_acceleration: &'a [f64],
 }
 
-/// Contact forces and accelerations that a [`Push`] causes.
+/// Contact forces and accelerations that a [`AppliedLoad`] causes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Response {
+pub struct ConstrainedResponse {
     /// Forces (N, T) of each contact, N.
     pub forces: Vec<[f64; 2]>,
     /// Acceleration ẍ, m/s²; one value for each degree of freedom.
     pub acceleration: Vec<f64>,
 }
 
-impl Response {
+impl ConstrainedResponse {
     /// A response of zeros for this number of contacts and degrees of freedom.
     #[must_use]
     pub fn new(contacts: usize, dofs: usize) -> Self {
@@ -285,7 +285,7 @@ pub trait Integrator: Send {
     fn advance(
         &mut self,
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         step: f64,
         count: u64,
     ) -> Result<(), StepFailure>;
@@ -297,7 +297,7 @@ pub trait Integrator: Send {
     fn contact_forces(
         &mut self,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure>;
 
@@ -308,9 +308,9 @@ pub trait Integrator: Send {
     /// Returns the contact whose forces were not found.
     fn respond(
         &mut self,
-        kept: Kept<'_>,
-        push: Push<'_>,
-        response: &mut Response,
+        kept: HeldStates<'_>,
+        push: AppliedLoad<'_>,
+        response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure>;
 
     /// (N, T) of each contact over the last step, N; `None` where the method has no such forces, or each contact

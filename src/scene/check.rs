@@ -1,6 +1,6 @@
 //! Checks that the values of a scene are possible.
 
-use super::lack::Lack;
+use super::missing::MissingFeature;
 use super::nearest::nearest;
 use super::network_check::quoted;
 use super::{
@@ -147,8 +147,8 @@ impl Scene {
         let unknown = self.signals.iter().enumerate().filter(|(_, s)| !inputs.contains(&s.input));
         let problem = |(i, signal): (usize, &Signal)| {
             let path = format!("signal[{}].input", i + 1);
-            match self.lack_of_input(&signal.input) {
-                Some(Lack { reason, help }) => Problem::new(path, reason).help(help),
+            match self.explain_missing_input(&signal.input) {
+                Some(MissingFeature { reason, help }) => Problem::new(path, reason).help(help),
                 None => Problem::new(path, "the scene has no such input")
                     .help(meant_input(&signal.input, &inputs)),
             }

@@ -6,7 +6,7 @@ use super::check::{Owner, with_key};
 use super::effects_file::EffectsTable;
 use super::friction_file::FrictionTable;
 use super::initial_file::{self, Initial};
-use super::integrator_file::Integrator;
+use super::integrator_file::IntegratorTable;
 use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTable, Tables};
 use super::problem;
 use super::signal_file::{self, SignalTable};
@@ -70,7 +70,7 @@ pub struct SceneTables {
     /// Signals: values over time that are added to inputs.
     #[serde(default)]
     signal: Vec<SignalTable>,
-    integrator: Integrator,
+    integrator: IntegratorTable,
     #[serde(default)]
     experiment: Experiment,
 }

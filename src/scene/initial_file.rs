@@ -11,8 +11,8 @@ use std::collections::HashMap;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub(super) enum Initial {
-    Module(ring_file::Initial),
-    Mass(network_file::Initial),
+    Module(ring_file::ModuleInitial),
+    Mass(network_file::MassInitial),
 }
 
 /// Gives modules or masses their initial values. Returns the index of the `[[initial]]` of each module or mass, by

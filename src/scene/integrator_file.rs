@@ -20,9 +20,9 @@ use serde::Deserialize;
     "else" = { "required": ["step"] },
 )))]
 #[serde(deny_unknown_fields)]
-pub(super) struct Integrator {
+pub(super) struct IntegratorTable {
     /// Method of time integration; the paper's scheme by default.
-    method: Option<Way>,
+    method: Option<MethodChoice>,
     /// Internal time step h, s.
     ///
     /// The step is required unless a tolerance chooses it.
@@ -39,7 +39,7 @@ pub(super) struct Integrator {
 #[derive(Clone, Copy, Deserialize, PartialEq, Eq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-enum Way {
+enum MethodChoice {
     /// The paper's scheme: forward increment Lagrange multipliers, of first order.
     ForwardIncrement,
     /// Event-driven motion: exact from one change of contact state to the next.
@@ -48,14 +48,14 @@ enum Way {
     Auto,
 }
 
-impl Integrator {
+impl IntegratorTable {
     /// Returns the source of method and step, and their values if the table gives them; problems of the table are
     /// added to `problems`.
     pub(super) fn read(
         &self,
         problems: &mut Vec<Problem>,
     ) -> (Selection, Option<Method>, Option<f64>) {
-        let is_auto = self.method == Some(Way::Auto);
+        let is_auto = self.method == Some(MethodChoice::Auto);
         let mut report = |key: &str, message: String, help: &str| {
             problems.push(Problem::new(format!("integrator.{key}"), message).help(help));
         };
@@ -103,9 +103,9 @@ impl Integrator {
             (None, false) => Selection::Given,
         };
         let method = match self.method {
-            Some(Way::ForwardIncrement) => Some(Method::ForwardIncrement),
-            Some(Way::EventDriven) => Some(Method::EventDriven),
-            Some(Way::Auto) | None => None,
+            Some(MethodChoice::ForwardIncrement) => Some(Method::ForwardIncrement),
+            Some(MethodChoice::EventDriven) => Some(Method::EventDriven),
+            Some(MethodChoice::Auto) | None => None,
         };
         (selection, method, self.step)
     }

@@ -9,7 +9,7 @@
 //! | `effects`, `effects_file`, `effects_check` | effects that are simulated besides masses and springs; that part of
 //! a file |
 //! | `selection`, `integrator_file` | method and step given, or a tolerance in their place; that part of a file |
-//! | `roles`, `lack` | role of a value: input or parameter; explanations of features that a scene does not use |
+//! | `roles`, `missing` | role of a value: input or parameter; explanations of features that a scene does not use |
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
 //! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
 //! | `signal`, `signal_file`, `time_table` | values over time that drive inputs |
@@ -29,7 +29,7 @@ mod friction_file;
 mod initial_file;
 mod integrator_file;
 mod keys;
-mod lack;
+mod missing;
 mod nearest;
 mod network;
 mod network_check;
@@ -52,9 +52,9 @@ pub use check::meant_input;
 pub(crate) use check::{MAX_STEPS, count, least};
 pub use effects::Effects;
 pub use file::{SceneFile, SceneTables, parse, read};
-pub use lack::Lack;
+pub use missing::MissingFeature;
 pub use nearest::{did_you_mean, nearest};
-pub use network::{Damper, GROUND, MAX_PARTS, Mass, Network, RubbingPlace, Spring, direction};
+pub use network::{ContactDefinition, Damper, GROUND, MAX_PARTS, Mass, Network, Spring, direction};
 pub use problem::{MAX_PROBLEMS, Problem, and_more};
 pub use ring::{MAX_MODULES, Module};
 pub(crate) use roles::Group;
@@ -321,7 +321,7 @@ impl Scene {
 
     /// A contact (from 0) of a network; `None` for a ring.
     #[must_use]
-    pub(crate) fn place(&self, contact: usize) -> Option<&RubbingPlace> {
+    pub(crate) fn place(&self, contact: usize) -> Option<&ContactDefinition> {
         self.network().map(|network| &network.contacts[contact])
     }
 
@@ -376,7 +376,7 @@ impl Scene {
     }
 
     /// `true` if the scene is a ring, or some contact of the network has no value of its own.
-    fn shares(&self, has_own: impl Fn(&RubbingPlace) -> bool) -> bool {
+    fn shares(&self, has_own: impl Fn(&ContactDefinition) -> bool) -> bool {
         self.network().is_none_or(|network| !network.contacts.iter().all(has_own))
     }
 
@@ -402,8 +402,8 @@ impl Scene {
     /// `true` if all contacts on the slider have its inclination, and none of them lies on another mass.
     #[must_use]
     pub fn has_common_plane(&self) -> bool {
-        let is_beside = |place: &RubbingPlace| place.velocity.is_some();
-        let is_plain = |place: &RubbingPlace| place.angle.is_none() && place.on.is_none();
+        let is_beside = |place: &ContactDefinition| place.velocity.is_some();
+        let is_plain = |place: &ContactDefinition| place.angle.is_none() && place.on.is_none();
         self.network().is_none_or(|network| {
             network.contacts.iter().all(|place| is_beside(place) || is_plain(place))
         })

@@ -18,7 +18,7 @@ pub struct Network {
     /// The dampers.
     pub dampers: Vec<Damper>,
     /// The contacts.
-    pub contacts: Vec<RubbingPlace>,
+    pub contacts: Vec<ContactDefinition>,
 }
 
 /// A mass that moves in the plane, along axes x and y of its own.
@@ -79,7 +79,7 @@ pub struct Damper {
 /// With the tangent t = (cos, sin) and the outward normal n = (−sin, cos) of its angle, the gap is
 /// n·(u_mass − u_on) ≥ 0 and the slip velocity v − t·(u̇_mass − u̇_on).
 #[derive(Clone, Debug, PartialEq)]
-pub struct RubbingPlace {
+pub struct ContactDefinition {
     /// Name of the contact.
     pub name: String,
     /// Index of the mass that slides.

@@ -1,7 +1,9 @@
 //! Checks that a network is possible.
 
 use super::check::{Checks, Owner};
-use super::{GROUND, MAX_PARTS, Mass, Network, Problem, RubbingPlace, Rule, Slider, direction};
+use super::{
+    ContactDefinition, GROUND, MAX_PARTS, Mass, Network, Problem, Rule, Slider, direction,
+};
 use std::collections::HashMap;
 
 /// Smallest part of a direction along the free axes; a smaller one counts as zero.
@@ -149,7 +151,7 @@ pub(super) const NO_SUCH_MASS: &str = "there is no mass of this name";
 
 fn check_contact(
     part: Owner,
-    contact: &RubbingPlace,
+    contact: &ContactDefinition,
     masses: &[Mass],
     slider: Slider,
     checks: &mut Checks<'_>,

@@ -5,7 +5,7 @@
 use super::Rule;
 use super::nearest::nearest;
 use super::network_check::{NO_SUCH_MASS, quoted};
-use super::{Damper, GROUND, Mass, Network, Problem, RubbingPlace, Spring};
+use super::{ContactDefinition, Damper, GROUND, Mass, Network, Problem, Spring};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
@@ -46,14 +46,14 @@ enum Axis {
 #[derive(Clone, Copy, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
-enum Direction {
+enum DirectionValue {
     /// Direction along an axis.
     Along(Axis),
     /// Angle against the horizontal, counterclockwise, rad.
     At(f64),
 }
 
-impl Direction {
+impl DirectionValue {
     fn angle(self) -> f64 {
         match self {
             Self::Along(Axis::X) => 0.0,
@@ -73,7 +73,7 @@ pub(super) struct SpringTable {
     /// Names of the two masses that it joins, or of one mass and "ground".
     between: [String; 2],
     /// Direction in which the spring acts: "x", "y", or an angle against the horizontal in rad.
-    direction: Direction,
+    direction: DirectionValue,
     /// Stiffness, N/m.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     stiffness: f64,
@@ -91,7 +91,7 @@ pub(super) struct DamperTable {
     /// Names of the two masses that it joins, or of one mass and "ground".
     between: [String; 2],
     /// Direction in which the damper acts: "x", "y", or an angle against the horizontal in rad.
-    direction: Direction,
+    direction: DirectionValue,
     /// Damping coefficient: force per velocity, N s/m.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     damping: f64,
@@ -134,7 +134,7 @@ impl ContactTable {
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub(super) struct Initial {
+pub(super) struct MassInitial {
     /// Name of the mass, in a network.
     pub(super) mass: String,
     /// Displacement along the mass's axis x, m.
@@ -151,7 +151,7 @@ pub(super) struct Initial {
     vy: f64,
 }
 
-impl Initial {
+impl MassInitial {
     /// Gives the mass its initial displacement and velocity.
     pub(super) fn apply(&self, mass: &mut Mass) {
         mass.displacement = [self.x, self.y];
@@ -191,7 +191,7 @@ impl Tables<'_> {
             let mut find = |key: &str, name: &str| {
                 names.place(|| format!("contact[{}].{key}", i + 1), name).unwrap_or(NOWHERE)
             };
-            RubbingPlace {
+            ContactDefinition {
                 name: contact.name.clone(),
                 mass: find("mass", &contact.mass),
                 on: contact.on.as_deref().map(|on| find("on", on)),

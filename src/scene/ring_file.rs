@@ -50,7 +50,7 @@ pub(super) struct Ring {
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub(super) struct Initial {
+pub(super) struct ModuleInitial {
     /// Number of the module, counted from 1.
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = MAX_MODULES)))]
     pub(super) module: usize,
@@ -144,7 +144,7 @@ impl Ring {
     }
 }
 
-impl Initial {
+impl ModuleInitial {
     /// Gives the module its initial displacement and velocity.
     pub(super) fn apply(&self, module: &mut Module) {
         module.displacement = [self.x1, self.x2, self.x3, self.x4];

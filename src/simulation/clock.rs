@@ -23,7 +23,7 @@ pub(crate) struct Clock {
 
 /// Steps from the present time to a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Leg {
+pub(super) struct StepPlan {
     /// Length of a step, s.
     pub(super) step: f64,
     /// Number of steps, and number of steps that have been taken.
@@ -38,7 +38,7 @@ pub(super) struct Leg {
     pub(super) arrival: Clock,
 }
 
-impl Leg {
+impl StepPlan {
     pub(super) fn take(&mut self, steps: u64) {
         self.done += steps;
         self.within = None;
@@ -131,7 +131,7 @@ impl Clock {
     /// are not longer than `step`, and a new grid starts at the target. `None` if the target lies in the past or is
     /// farther ahead than steps can be counted.
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
-    pub(super) fn way_to(self, target: f64, step: f64) -> Option<Leg> {
+    pub(super) fn plan_to(self, target: f64, step: f64) -> Option<StepPlan> {
         let asked = target - self.asked;
         let rounding = 4.0 * f64::EPSILON * target.abs();
         if !(asked >= -rounding && (target - self.start) / step < MAX_STEPS) {
@@ -145,13 +145,13 @@ impl Clock {
             let arrival = Self { steps, asked: target, ..self };
             let (origin, first) = (self.start, self.steps);
             let count = steps - self.steps;
-            return Some(Leg { step, count, done: 0, origin, first, within: None, arrival });
+            return Some(StepPlan { step, count, done: 0, origin, first, within: None, arrival });
         }
         let origin = self.grid_time(step);
         let span = target - origin;
         let count = (span / step - TOLERANCE).ceil().max(1.0);
         let (step, count, arrival) = (span / count, count as u64, Self::at(target));
-        Some(Leg { step, count, done: 0, origin, first: 0, within: None, arrival })
+        Some(StepPlan { step, count, done: 0, origin, first: 0, within: None, arrival })
     }
 }
 
@@ -192,10 +192,10 @@ mod tests {
         for size in steps {
             assert!(Clock::same(host, clock.time(), H));
             host += size;
-            let leg = clock.way_to(host, H).unwrap();
-            assert!(leg.count == 0 || leg.step == H, "{leg:?}");
-            taken += leg.count;
-            clock = leg.arrival;
+            let plan = clock.plan_to(host, H).unwrap();
+            assert!(plan.count == 0 || plan.step == H, "{plan:?}");
+            taken += plan.count;
+            clock = plan.arrival;
         }
         (clock, taken)
     }
@@ -219,9 +219,9 @@ mod tests {
             let mut clock = Clock::at(0.0);
             for row in 1..=1000 {
                 let target = f64::from(row) * size;
-                let leg = clock.way_to(target, internal).unwrap();
-                assert_eq!((leg.count, leg.time(1)), (1, target), "{size} of {internal}");
-                clock = leg.arrival;
+                let plan = clock.plan_to(target, internal).unwrap();
+                assert_eq!((plan.count, plan.time(1)), (1, target), "{size} of {internal}");
+                clock = plan.arrival;
             }
         }
     }
@@ -242,17 +242,17 @@ mod tests {
 
     #[test]
     fn a_step_off_the_grid_is_parted_evenly_and_starts_a_new_grid() {
-        let leg = Clock::at(0.0).way_to(2.5 * H, H).unwrap();
-        assert_eq!(leg.count, 3);
-        assert!((leg.step - 2.5 * H / 3.0).abs() < 1e-20);
-        assert_eq!(leg.arrival, Clock::at(2.5 * H));
-        assert_eq!(leg.arrival.way_to(4.5 * H, H).unwrap().count, 2);
+        let plan = Clock::at(0.0).plan_to(2.5 * H, H).unwrap();
+        assert_eq!(plan.count, 3);
+        assert!((plan.step - 2.5 * H / 3.0).abs() < 1e-20);
+        assert_eq!(plan.arrival, Clock::at(2.5 * H));
+        assert_eq!(plan.arrival.plan_to(4.5 * H, H).unwrap().count, 2);
     }
 
     #[test]
     fn a_step_shorter_than_the_internal_one_is_taken_as_it_is() {
-        let leg = Clock::at(0.0).way_to(0.3 * H, H).unwrap();
-        assert_eq!((leg.step, leg.count), (0.3 * H, 1));
+        let plan = Clock::at(0.0).plan_to(0.3 * H, H).unwrap();
+        assert_eq!((plan.step, plan.count), (0.3 * H, 1));
     }
 
     #[test]
@@ -274,9 +274,9 @@ mod tests {
 
     #[test]
     fn the_past_and_the_unreachable_are_refused() {
-        let clock = Clock::at(0.0).way_to(0.1, H).unwrap().arrival;
-        assert_eq!(clock.way_to(0.05, H), None);
-        assert_eq!(clock.way_to(f64::NAN, H), None);
-        assert_eq!(clock.way_to(1e300, H), None);
+        let clock = Clock::at(0.0).plan_to(0.1, H).unwrap().arrival;
+        assert_eq!(clock.plan_to(0.05, H), None);
+        assert_eq!(clock.plan_to(f64::NAN, H), None);
+        assert_eq!(clock.plan_to(1e300, H), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Error messages for a failed step: the time, the contact, and the reason.
 
 use super::catalogue::Quantity;
-use super::clock::Leg;
+use super::clock::StepPlan;
 use super::{Parameters, Simulation, Variable};
 use crate::Error;
 use crate::error::Short;
@@ -104,8 +104,8 @@ impl Simulation {
 
     /// Error for a leg that cannot be continued, for the given reason.
     #[cold]
-    pub(super) fn stopped(&self, error: &Error, leg: &Leg) -> Error {
-        if leg.done == 0 {
+    pub(super) fn stopped(&self, error: &Error, plan: &StepPlan) -> Error {
+        if plan.done == 0 {
             return error.clone();
         }
         let time = Short(self.time());

@@ -30,17 +30,17 @@ use crate::Error;
 use crate::assembly::{self, Numbering};
 use crate::contact::{ContactForce, ContactState, Friction};
 use crate::error::Short;
-use crate::integrator::{self, Drive, Energy, Integrator, Ledger, Motion, Statistics};
+use crate::integrator::{self, Energy, Inputs, Integrator, Ledger, Motion, Statistics};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{Equilibrium, LumpedModel};
 use crate::scene::{Method, Scene, Structure};
 use crate::selection::{Selected, select};
 use crate::stability::StepGuard;
 use catalogue::Quantity;
-use clock::{Clock, Leg};
-use monitor::Monitor;
+use clock::{Clock, StepPlan};
+use monitor::StabilityMonitor;
 use serde::{Deserialize, Serialize};
-use signals::{Driven, Reach, moved_contacts};
+use signals::{DrivenInputs, InputEffect, moved_contacts};
 use start::{check_closed, initial_motion};
 use std::ops::ControlFlow;
 
@@ -56,7 +56,7 @@ pub struct Simulation {
     /// The nominal values of parameters and inputs, which may have changed since the start.
     nominal: Parameters,
     /// The inputs that signals or rates drive, whose effective values may differ from the nominal ones.
-    driven: Option<Driven>,
+    driven: Option<DrivenInputs>,
     /// Method and step chosen by a tolerance when this simulation was made; `None` after it was resumed.
     selected: Option<Selected>,
     model: LumpedModel,
@@ -65,20 +65,20 @@ pub struct Simulation {
     /// Guard of the critical step, for a method that has one.
     guard: Option<StepGuard>,
     integrator: Box<dyn Integrator>,
-    reference: Reference,
+    reference: ReferencePosition,
     motion: Motion,
     clock: Clock,
-    drive: Drive,
+    inputs: Inputs,
     contact_forces: Vec<ContactForce>,
     /// Stability monitor, in a scene that requests it.
-    monitor: Option<Monitor>,
+    monitor: Option<StabilityMonitor>,
     /// Results that a change of values has made out of date.
     stale: Stale,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Stale {
-    drive: bool,
+    inputs: bool,
     limit: bool,
     contact_forces: bool,
 }
@@ -86,7 +86,7 @@ struct Stale {
 impl Stale {
     /// Marks the results that depend on a variable as out of date.
     fn by(&mut self, variable: &Variable) {
-        self.drive = true;
+        self.inputs = true;
         self.contact_forces = true;
         self.limit |= variable.sets_limit();
     }
@@ -94,7 +94,7 @@ impl Stale {
 
 /// Reference position of the displacements: the equilibrium at initialization, and its load.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Reference {
+struct ReferencePosition {
     equilibrium: Equilibrium,
     load: Vec<f64>,
 }
@@ -123,13 +123,13 @@ impl Simulation {
             (scene.method, scene.step) = (method, step);
         }
         let clock = Clock::at(start_time);
-        let mut driven = Driven::of(&scene, &nominal);
+        let mut driven = DrivenInputs::of(&scene, &nominal);
         if let Some(driven) = &mut driven {
             driven.bring_to([clock.time(); 2], &nominal, &mut scene, |_| {})?;
         }
         let model = LumpedModel::from(&scene);
         let equilibrium = assembly::equilibrium(&scene, &model)?;
-        let reference = Reference { equilibrium, load: model.load.clone() };
+        let reference = ReferencePosition { equilibrium, load: model.load.clone() };
         let mut motion = initial_motion(&scene, &model);
         check_closed(&scene, &model, &motion)?;
         if scene.effects.energy {
@@ -142,9 +142,9 @@ impl Simulation {
     fn assemble(
         scene: Scene,
         nominal: Parameters,
-        driven: Option<Driven>,
+        driven: Option<DrivenInputs>,
         model: LumpedModel,
-        reference: Reference,
+        reference: ReferencePosition,
         motion: Motion,
         clock: Clock,
     ) -> Result<Self, Error> {
@@ -159,16 +159,16 @@ impl Simulation {
         } else {
             integrator::choose(&model, scene.method)?
         };
-        let mut drive = Drive::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
+        let mut inputs = Inputs::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
         let numbering = scene.network().map_or_else(Numbering::default, Numbering::of);
         if let Some(driven) = &driven {
-            drive.waves = driven.waves(|variable| reach(&scene, &numbering, &model, variable));
-            integrator.expect_waves(drive.waves.len());
+            inputs.waves = driven.waves(|variable| reach(&scene, &numbering, &model, variable));
+            integrator.expect_waves(inputs.waves.len());
         }
         let contact_forces = vec![ContactForce::detached(0.0); model.contacts.len()];
-        let stale = Stale { drive: true, limit: false, contact_forces: true };
+        let stale = Stale { inputs: true, limit: false, contact_forces: true };
         Ok(Self {
-            monitor: scene.effects.stability.then(Monitor::default),
+            monitor: scene.effects.stability.then(StabilityMonitor::default),
             scene,
             nominal,
             driven,
@@ -180,7 +180,7 @@ impl Simulation {
             reference,
             motion,
             clock,
-            drive,
+            inputs,
             contact_forces,
             stale,
         })
@@ -239,7 +239,7 @@ impl Simulation {
     /// `true` if signals change an input now or later.
     #[must_use]
     pub fn is_driven_on(&self) -> bool {
-        let until = |driven: &Driven| driven.constant_until(self.time());
+        let until = |driven: &DrivenInputs| driven.constant_until(self.time());
         self.driven.as_ref().map_or(f64::INFINITY, until) < f64::INFINITY
     }
 
@@ -318,74 +318,74 @@ impl Simulation {
         most: u64,
         mut go_on: impl FnMut() -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
-        let mut leg = self.leg_to(target)?;
+        let mut plan = self.plan_to(target)?;
         loop {
-            let prepared = self.prepare(&leg).map_err(|error| self.stopped(&error, &leg))?;
+            let prepared = self.prepare(&plan).map_err(|error| self.stopped(&error, &plan))?;
             let Some(Steps { count, edge }) = prepared else { break };
-            let step = length_to(edge, &leg);
+            let step = length_to(edge, &plan);
             let count = count.min(most);
             self.integrator
-                .advance(&mut self.motion, &self.drive, step, count)
+                .advance(&mut self.motion, &self.inputs, step, count)
                 .map_err(|failure| self.failed(failure, target))?;
             if let Some(edge) = edge {
-                leg.take_part(edge);
+                plan.take_part(edge);
                 continue;
             }
-            leg.take(count);
-            self.check_taken(&leg)?;
-            if !leg.is_done() && go_on().is_break() {
+            plan.take(count);
+            self.check_taken(&plan)?;
+            if !plan.is_done() && go_on().is_break() {
                 return Ok(ControlFlow::Break(()));
             }
         }
-        self.arrive(&leg);
+        self.finish_plan(&plan);
         Ok(ControlFlow::Continue(()))
     }
 
     /// The steps to time `target` (s).
-    fn leg_to(&mut self, target: f64) -> Result<Leg, Error> {
-        let leg = self.clock.way_to(target, self.scene.step);
-        let leg = leg.ok_or_else(|| self.unreachable(target))?;
-        if !leg.is_done() {
-            self.begin_rates(leg.arrival.grid_time(self.scene.step))?;
+    fn plan_to(&mut self, target: f64) -> Result<StepPlan, Error> {
+        let plan = self.clock.plan_to(target, self.scene.step);
+        let plan = plan.ok_or_else(|| self.unreachable(target))?;
+        if !plan.is_done() {
+            self.begin_rates(plan.arrival.grid_time(self.scene.step))?;
         }
-        Ok(leg)
+        Ok(plan)
     }
 
     /// Brings everything up to date for the next steps of a leg. Returns the steps that can be taken without another
     /// update, if any are left.
-    fn prepare(&mut self, leg: &Leg) -> Result<Option<Steps>, Error> {
-        if leg.is_done() {
+    fn prepare(&mut self, plan: &StepPlan) -> Result<Option<Steps>, Error> {
+        if plan.is_done() {
             return Ok(None);
         }
-        let mut count = leg.left();
+        let mut count = plan.left();
         let mut edge = None;
         // For most short steps nothing has changed.
-        if self.driven.is_some() || self.stale.drive || self.stale.limit {
-            let [time, end] = leg.next_step();
+        if self.driven.is_some() || self.stale.inputs || self.stale.limit {
+            let [time, end] = plan.next_step();
             edge = self.driven.as_ref().and_then(|driven| driven.edge_between(time, end));
             let end = edge.unwrap_or(end);
             self.update_drive([time, end])?;
-            self.update_rates([time, end], length_to(edge, leg));
+            self.update_rates([time, end], length_to(edge, plan));
             self.check_limit(time)?;
             if let Some(driven) = &self.driven {
-                let is_part = edge.is_some() || leg.is_within();
-                count = if is_part { 1 } else { leg.steps_before(driven.constant_until(time)) };
+                let is_part = edge.is_some() || plan.is_within();
+                count = if is_part { 1 } else { plan.steps_before(driven.constant_until(time)) };
             }
         }
-        Ok(Some(Steps { count: count.min(CHUNK - leg.done % CHUNK), edge }))
+        Ok(Some(Steps { count: count.min(CHUNK - plan.done % CHUNK), edge }))
     }
 
     /// Checks at intervals, and at the end, that the motion is finite.
-    fn check_taken(&self, leg: &Leg) -> Result<(), Error> {
-        if leg.done.is_multiple_of(CHUNK) || leg.is_done() {
-            self.check_finite(leg.arrival.time())?;
+    fn check_taken(&self, plan: &StepPlan) -> Result<(), Error> {
+        if plan.done.is_multiple_of(CHUNK) || plan.is_done() {
+            self.check_finite(plan.arrival.time())?;
         }
         Ok(())
     }
 
-    fn arrive(&mut self, leg: &Leg) {
-        self.clock = leg.arrival;
-        if leg.done > 0 {
+    fn finish_plan(&mut self, plan: &StepPlan) {
+        self.clock = plan.arrival;
+        if plan.done > 0 {
             self.end_rates();
         }
         self.stale.contact_forces = true;
@@ -401,12 +401,12 @@ impl Simulation {
             // An impossible value of a signal is reported by the next step.
             let _ = self.update_drive([now, now]);
             if let Some(driven) = &self.driven {
-                for (i, acceleration) in self.drive.slider_acceleration.iter_mut().enumerate() {
+                for (i, acceleration) in self.inputs.slider_acceleration.iter_mut().enumerate() {
                     *acceleration = driven.slider_acceleration(now, i);
                 }
             }
             self.integrator
-                .contact_forces(&self.motion, &self.drive, &mut self.contact_forces)
+                .contact_forces(&self.motion, &self.inputs, &mut self.contact_forces)
                 .map_err(|failure| self.failed(failure, self.time()))?;
             self.stale.contact_forces = false;
         }
@@ -425,27 +425,27 @@ impl Simulation {
             }
             None => Ok(()),
         };
-        if !std::mem::replace(&mut stale.drive, false) {
+        if !std::mem::replace(&mut stale.inputs, false) {
             return brought;
         }
         let scene = &self.scene;
         assembly::load(scene, &self.numbering, &mut self.model.load);
         let loads = self.model.load.iter().zip(&self.reference.load);
-        let force = self.drive.force.iter_mut().zip(scene.external_forces());
+        let force = self.inputs.force.iter_mut().zip(scene.external_forces());
         for ((force, external), (now, then)) in force.zip(loads) {
             *force = (now - then) + external;
         }
         let Equilibrium { normal_force, friction_force, .. } = &self.reference.equilibrium;
         let balanced = normal_force.iter().zip(friction_force);
         for (contact, (normal, friction)) in self.model.contacts.iter().zip(balanced) {
-            contact.normal.add_to(&mut self.drive.force, -normal);
-            contact.tangent.add_to(&mut self.drive.force, -friction);
+            contact.normal.add_to(&mut self.inputs.force, -normal);
+            contact.tangent.add_to(&mut self.inputs.force, -friction);
         }
         assembly::update_contacts(&mut self.model, scene);
         for (i, contact) in self.model.contacts.iter().enumerate() {
-            self.drive.slider_velocity[i] = contact.surface_velocity;
+            self.inputs.slider_velocity[i] = contact.surface_velocity;
             let rubs = self.model.rubs(contact);
-            self.drive.friction[i] = if rubs { contact.friction } else { Friction::from(0.0) };
+            self.inputs.friction[i] = if rubs { contact.friction } else { Friction::from(0.0) };
         }
         self.model.damping = scene.damping;
         self.integrator.set_damping(scene.damping);
@@ -455,14 +455,14 @@ impl Simulation {
     /// Brings the rates of change during a step between these times (s) up to date.
     fn update_rates(&mut self, span: [f64; 2], step: f64) {
         let Some(driven) = &self.driven else { return };
-        driven.bring_waves(span[0], &mut self.drive.waves);
-        for (i, acceleration) in self.drive.slider_acceleration.iter_mut().enumerate() {
+        driven.bring_waves(span[0], &mut self.inputs.waves);
+        for (i, acceleration) in self.inputs.slider_acceleration.iter_mut().enumerate() {
             *acceleration = driven.slider_change(span, i) / step;
         }
         let (scene, numbering) = (&self.scene, &self.numbering);
-        self.drive.force_rate.fill(0.0);
+        self.inputs.force_rate.fill(0.0);
         for (variable, rate) in driven.load_rates(span[0]) {
-            let force_rate = &mut self.drive.force_rate;
+            let force_rate = &mut self.inputs.force_rate;
             if variable.template.quantity == Quantity::Preload {
                 assembly::add_preload(scene, numbering, variable.index, rate, force_rate);
             } else {
@@ -517,17 +517,22 @@ struct Steps {
 }
 
 /// Length (s) of the next step of a leg, or of its part up to an edge.
-fn length_to(edge: Option<f64>, leg: &Leg) -> f64 {
-    let [time, end] = leg.next_step();
+fn length_to(edge: Option<f64>, plan: &StepPlan) -> f64 {
+    let [time, end] = plan.next_step();
     match edge {
         Some(edge) => edge - time,
-        None if leg.is_within() => end - time,
-        None => leg.step,
+        None if plan.is_within() => end - time,
+        None => plan.step,
     }
 }
 
 /// The degrees of freedom and contacts on which an input acts.
-fn reach(scene: &Scene, numbering: &Numbering, model: &LumpedModel, variable: &Variable) -> Reach {
+fn reach(
+    scene: &Scene,
+    numbering: &Numbering,
+    model: &LumpedModel,
+    variable: &Variable,
+) -> InputEffect {
     let pushes = match variable.template.quantity {
         Quantity::ExternalForce => vec![(dof(scene, numbering, variable), 1.0)],
         Quantity::Preload => {
@@ -537,7 +542,7 @@ fn reach(scene: &Scene, numbering: &Numbering, model: &LumpedModel, variable: &V
         }
         _ => Vec::new(),
     };
-    Reach { pushes, moves: moved_contacts(scene, variable) }
+    InputEffect { pushes, moves: moved_contacts(scene, variable) }
 }
 
 /// Error message for values that have made the step too long; the step itself may be fixed by now.

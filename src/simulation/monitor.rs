@@ -15,7 +15,7 @@ const MOST_KNOWN: usize = 4096;
 ///
 /// All values are zero if the contacts constrain every motion, so that a disturbance neither grows nor decays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Outlook {
+pub(super) struct StabilityIndicator {
     /// Largest real part of all eigenvalues, 1/s: positive if a disturbance grows.
     pub(super) growth_rate: f64,
     /// Frequency of the mode with this growth rate, Hz; 0 if it does not oscillate.
@@ -25,7 +25,7 @@ pub(super) struct Outlook {
     pub(super) modes: i32,
 }
 
-impl Outlook {
+impl StabilityIndicator {
     fn of(model: LinearModel<'_>, states: &[ContactState]) -> Self {
         let unknown = Self { modes: -1, ..Self::default() };
         let Ok(spectrum) = Spectrum::of(model, states) else { return unknown };
@@ -45,17 +45,17 @@ impl Outlook {
 /// Outlooks of the contact states that were visited, each computed once. They are computed when they are read, and do
 /// not affect the motion.
 #[derive(Default)]
-pub(super) struct Monitor {
+pub(super) struct StabilityMonitor {
     /// Friction of each contact: the outlooks also depend on it and on the damping, which may change during a run.
     friction: Vec<SlidingFriction>,
     damping: Damping,
     dampers: Option<SparseMatrix>,
-    known: HashMap<Box<[ContactState]>, Outlook>,
+    known: HashMap<Box<[ContactState]>, StabilityIndicator>,
     /// The present contact states.
     states: Vec<ContactState>,
 }
 
-impl Monitor {
+impl StabilityMonitor {
     /// Discards the outlooks if friction or damping has changed.
     fn keep_up(&mut self, linear: LinearModel<'_>) {
         let model = linear.model();
@@ -72,18 +72,18 @@ impl Monitor {
     }
 
     /// The outlook of these contact states.
-    fn outlook(
+    fn indicator(
         &mut self,
         model: LinearModel<'_>,
         states: impl Iterator<Item = ContactState>,
-    ) -> Outlook {
+    ) -> StabilityIndicator {
         self.keep_up(model);
         self.states.clear();
         self.states.extend(states);
         if let Some(&known) = self.known.get(&*self.states) {
             return known;
         }
-        let found = Outlook::of(model, &self.states);
+        let found = StabilityIndicator::of(model, &self.states);
         if self.known.len() >= MOST_KNOWN {
             self.known.clear();
         }
@@ -98,11 +98,11 @@ impl Simulation {
     ///
     /// # Errors
     /// Returns an error if the contact forces have no solution.
-    pub(super) fn outlook(&mut self) -> Result<Outlook, Error> {
+    pub(super) fn indicator(&mut self) -> Result<StabilityIndicator, Error> {
         self.contact_forces()?;
-        let Some(monitor) = &mut self.monitor else { return Ok(Outlook::default()) };
+        let Some(monitor) = &mut self.monitor else { return Ok(StabilityIndicator::default()) };
         let states = self.contact_forces.iter().map(|force| force.state);
-        Ok(monitor.outlook(self.model.linear_about(&self.reference.equilibrium), states))
+        Ok(monitor.indicator(self.model.linear_about(&self.reference.equilibrium), states))
     }
 }
 
@@ -136,27 +136,27 @@ mod tests {
 
     #[test]
     fn states_without_eigenvalues_are_told_from_those_that_hold_everything() {
-        let unknown = Outlook { modes: -1, ..Outlook::default() };
+        let unknown = StabilityIndicator { modes: -1, ..StabilityIndicator::default() };
         let two = mass(0.0, 2, 0.5);
         let two = two.linear().unwrap();
-        assert_eq!(Outlook::of(two, &[Slide, ReverseSlide]), unknown);
-        assert_eq!(Outlook::of(two, &[Stick, Stick]), Outlook::default());
-        assert_eq!(Outlook::of(two, &[Slide, Slide]).modes, 1);
+        assert_eq!(StabilityIndicator::of(two, &[Slide, ReverseSlide]), unknown);
+        assert_eq!(StabilityIndicator::of(two, &[Stick, Stick]), StabilityIndicator::default());
+        assert_eq!(StabilityIndicator::of(two, &[Slide, Slide]).modes, 1);
         // M̃ = 1 ± µ a: with one sign friction wedges the mass, with the other it doubles the mass.
         let coupled = mass(0.5, 1, 2.0);
         let coupled = coupled.linear().unwrap();
-        let ways = [Slide, ReverseSlide].map(|state| Outlook::of(coupled, &[state]));
+        let ways = [Slide, ReverseSlide].map(|state| StabilityIndicator::of(coupled, &[state]));
         assert!(ways.contains(&unknown), "{ways:?}");
         let free = ways.into_iter().find(|way| *way != unknown).unwrap();
         assert!((TAU * free.frequency - 2.0_f64.sqrt()).abs() < 1e-12 && free.modes == 1);
-        assert_eq!(Outlook::of(coupled, &[Detached]).modes, 2);
+        assert_eq!(StabilityIndicator::of(coupled, &[Detached]).modes, 2);
     }
 
     #[test]
     fn a_state_is_solved_once_until_friction_or_damping_is_another() {
-        let (mut monitor, mut model) = (Monitor::default(), mass(0.0, 1, 0.5));
+        let (mut monitor, mut model) = (StabilityMonitor::default(), mass(0.0, 1, 0.5));
         let mut look = |model: &LumpedModel, state: ContactState| {
-            monitor.outlook(model.linear().unwrap(), std::iter::once(state));
+            monitor.indicator(model.linear().unwrap(), std::iter::once(state));
             monitor.known.len()
         };
         assert_eq!([Slide, Stick, Slide].map(|state| look(&model, state)), [1, 2, 2]);

@@ -35,11 +35,11 @@ pub(crate) struct ParameterValues {
     /// One value for each variable that can be set, in the order of [`variables`].
     numbers: Vec<f64>,
     /// Choice of method and step, if a tolerance makes it.
-    chosen: Option<Choice>,
+    chosen: Option<SavedChoice>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Choice {
+struct SavedChoice {
     tolerance: f64,
     method: Method,
     /// Internal time step, s.
@@ -62,7 +62,7 @@ impl Parameters {
         };
         let chosen = chosen.map(|tolerance| {
             let method = replace(&mut scene.method, Method::ForwardIncrement);
-            Choice { tolerance, method, step: take(&mut scene.step) }
+            SavedChoice { tolerance, method, step: take(&mut scene.step) }
         });
         let layout = Arc::new(Layout { scene, variables });
         Self { layout, values: ParameterValues { numbers, chosen } }
@@ -81,7 +81,7 @@ impl Parameters {
         for (variable, number) in self.iter() {
             *place_in(scene, variable).expect("the scene has the variable") = number;
         }
-        if let Some(Choice { tolerance: chosen, method, step }) = self.values.chosen {
+        if let Some(SavedChoice { tolerance: chosen, method, step }) = self.values.chosen {
             (scene.method, scene.step) = (method, step);
             if let Selection::Auto { tolerance } = &mut scene.selection {
                 *tolerance = chosen;
@@ -187,7 +187,7 @@ impl Parameters {
                 )));
             }
         }
-        if let Some(Choice { step, .. }) = self.values.chosen
+        if let Some(SavedChoice { step, .. }) = self.values.chosen
             && let Some(wish) = Rule::TIME.broken_by(step)
         {
             return Err(Error::saved_state(format!(

@@ -1,7 +1,7 @@
 //! Rates of inputs, for importers that know how an input changes during their next step.
 
 use super::catalogue::Causality;
-use super::signals::{Driven, InputRamp};
+use super::signals::{DrivenInputs, InputRamp};
 use super::{Parameters, Simulation, Variable};
 use crate::Error;
 use serde::{Deserialize, Serialize};
@@ -32,7 +32,7 @@ impl Simulation {
 
     fn set_ramp(&mut self, place: usize, ramp: InputRamp) {
         let (scene, nominal) = (&self.scene, &self.nominal);
-        let driven = self.driven.get_or_insert_with(|| Driven::new(scene, nominal));
+        let driven = self.driven.get_or_insert_with(|| DrivenInputs::new(scene, nominal));
         driven.set_ramp(place, ramp, scene, nominal);
     }
 
@@ -57,7 +57,7 @@ impl Simulation {
 
     /// The rates of inputs, to be stored in a saved state.
     pub(super) fn saved_rates(&self) -> Vec<SavedRate> {
-        let ramps = self.driven.iter().flat_map(Driven::ramps);
+        let ramps = self.driven.iter().flat_map(DrivenInputs::ramps);
         ramps.map(|(place, ramp)| SavedRate { place, ramp }).collect()
     }
 

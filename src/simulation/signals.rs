@@ -16,7 +16,7 @@ use std::sync::Arc;
 const MOST_SLACK: f64 = 1e-9;
 
 /// The inputs that signals or rates drive. The effective value of an input is its nominal value plus their contributions.
-pub(super) struct Driven {
+pub(super) struct DrivenInputs {
     inputs: Vec<Input>,
     signals: Arc<[Signal]>,
     /// Largest rounding error of a time, s.
@@ -50,7 +50,7 @@ pub(super) struct InputRamp {
 
 /// Effect of an input: degrees of freedom with the force for one unit of the input, N, and contacts whose sliders it moves.
 #[derive(Default)]
-pub(super) struct Reach {
+pub(super) struct InputEffect {
     pub(super) pushes: Vec<(usize, f64)>,
     pub(super) moves: Vec<usize>,
 }
@@ -81,7 +81,7 @@ impl Input {
     }
 }
 
-impl Driven {
+impl DrivenInputs {
     /// The inputs driven by the signals of a scene, which has been checked; `None` if there are no signals.
     pub(super) fn of(scene: &Scene, nominal: &Parameters) -> Option<Self> {
         (!scene.signals.is_empty()).then(|| Self::new(scene, nominal))
@@ -250,9 +250,9 @@ impl Driven {
 
     /// The sines that drive the motion; `reach` gives the effect of an input. Empty if the motion uses values at the
     /// ends of steps.
-    pub(super) fn waves(&self, reach: impl Fn(&Variable) -> Reach) -> Vec<Wave> {
+    pub(super) fn waves(&self, reach: impl Fn(&Variable) -> InputEffect) -> Vec<Wave> {
         let wave = |(variable, sine): (&Variable, &Sine)| {
-            let Reach { pushes, moves } = reach(variable);
+            let InputEffect { pushes, moves } = reach(variable);
             let pulsation = TAU * sine.frequency;
             Wave { amplitude: 0.0, pulsation, phase: 0.0, pushes, moves }
         };
@@ -344,7 +344,7 @@ pub fn at_instant(scene: &Scene, t: f64) -> Result<Scene, Error> {
         return Ok(scene);
     }
     let nominal = Parameters::of(scene.clone());
-    Driven::new(&scene, &nominal).bring_to([t, t], &nominal, &mut scene, |_| {})?;
+    DrivenInputs::new(&scene, &nominal).bring_to([t, t], &nominal, &mut scene, |_| {})?;
     scene.signals = [].into();
     Ok(scene)
 }

@@ -8,8 +8,8 @@
 
 use super::clock::Clock;
 use super::rates::{SavedRate, belong_to};
-use super::signals::Driven;
-use super::{Parameters, Reference, Simulation, are_finite};
+use super::signals::DrivenInputs;
+use super::{Parameters, ReferencePosition, Simulation, are_finite};
 use crate::Error;
 use crate::integrator::{Ledger, Motion};
 use crate::model::{Equilibrium, LumpedModel};
@@ -26,7 +26,7 @@ pub struct Snapshot {
 /// Progress of a run: all of a snapshot except the values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
-    reference: Reference,
+    reference: ReferencePosition,
     motion: Motion,
     clock: Clock,
     rates: Vec<SavedRate>,
@@ -157,7 +157,7 @@ impl Simulation {
         self.motion.clone_from(motion);
         self.clock = *clock;
         self.take_over_rates(rates);
-        self.stale = super::Stale { drive: true, limit: true, contact_forces: true };
+        self.stale = super::Stale { inputs: true, limit: true, contact_forces: true };
         Ok(())
     }
 
@@ -176,7 +176,7 @@ impl Simulation {
         let Snapshot { nominal, progress } = snapshot;
         let Progress { reference, motion, clock, rates } = progress;
         // If signals make a value impossible, the next step returns the error.
-        let mut driven = Driven::of(&scene, &nominal);
+        let mut driven = DrivenInputs::of(&scene, &nominal);
         if let Some(driven) = &mut driven {
             let _ = driven.bring_to([clock.time(); 2], &nominal, &mut scene, |_| {});
         }

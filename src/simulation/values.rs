@@ -82,9 +82,9 @@ impl Simulation {
             Quantity::Energy => {
                 self.energy().map_or(f64::NAN, |energy| energy.parts()[variable.template.component])
             }
-            Quantity::GrowthRate => self.outlook()?.growth_rate,
-            Quantity::ModeFrequency => self.outlook()?.frequency,
-            Quantity::ModeCount => f64::from(self.outlook()?.modes),
+            Quantity::GrowthRate => self.indicator()?.growth_rate,
+            Quantity::ModeFrequency => self.indicator()?.frequency,
+            Quantity::ModeCount => f64::from(self.indicator()?.modes),
             _ => self.nominal.get(variable).expect("every other quantity is a parameter or input"),
         })
     }

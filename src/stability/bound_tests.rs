@@ -12,7 +12,7 @@ use std::time::Instant;
 
 /// What the contacts of a random structure touch.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Shape {
+pub(super) enum ContactShape {
     /// A disc and pads around it, each on springs of its own.
     Disc,
     /// A disc and pads around it, with springs between pads, contacts that lie askew, and masses that differ along x and y.
@@ -36,10 +36,10 @@ pub(super) fn any_numbers() -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec(0.0..1.0_f64, 200)
 }
 
-pub(super) fn model(shape: Shape, contacts: usize, numbers: &[f64]) -> LumpedModel {
+pub(super) fn model(shape: ContactShape, contacts: usize, numbers: &[f64]) -> LumpedModel {
     let mut numbers = Numbers(numbers.iter().copied().cycle());
-    let bodies = if matches!(shape, Shape::OneMass) { 1 } else { contacts + 1 };
-    let askew = if matches!(shape, Shape::Tangled) { 1.0 } else { 0.0 };
+    let bodies = if matches!(shape, ContactShape::OneMass) { 1 } else { contacts + 1 };
+    let askew = if matches!(shape, ContactShape::Tangled) { 1.0 } else { 0.0 };
     let first = numbers.between(0.3, 3.0);
     let mut mass = vec![first; 2];
     for _ in 1..bodies {
@@ -66,8 +66,8 @@ pub(super) fn model(shape: Shape, contacts: usize, numbers: &[f64]) -> LumpedMod
     let mut contact = |i: usize| {
         let along = TAU * i as f64 / contacts as f64 + askew * numbers.between(-0.3, 0.3);
         let (on, from, along) = match shape {
-            Shape::Chain => (i + 1, Some(i), 0.1 * along),
-            Shape::OneMass => (0, None, numbers.between(0.0, TAU)),
+            ContactShape::Chain => (i + 1, Some(i), 0.1 * along),
+            ContactShape::OneMass => (0, None, numbers.between(0.0, TAU)),
             _ => (i + 1, Some(0), along),
         };
         let direction = |angle: f64| {
@@ -137,7 +137,7 @@ proptest! {
     #[test]
     fn all_eigenvalues_of_all_states_lie_in_the_ellipse(
         numbers in any_numbers(),
-        shape in prop::sample::select(vec![Shape::Disc, Shape::Tangled, Shape::Chain, Shape::OneMass]),
+        shape in prop::sample::select(vec![ContactShape::Disc, ContactShape::Tangled, ContactShape::Chain, ContactShape::OneMass]),
         contacts in 2_usize..=5,
         mu in 0.0..0.9,
     ) {
@@ -158,7 +158,7 @@ proptest! {
 
     #[test]
     fn a_disc_has_a_bound_near_the_exact_limit(numbers in any_numbers(), mu in 0.0..0.6) {
-        let model = model(Shape::Disc, 5, &numbers).with_friction(mu);
+        let model = model(ContactShape::Disc, 5, &numbers).with_friction(mu);
         let model = model.linear().unwrap();
         let sizes = sizes(model).unwrap();
         let states = all_states(5);
@@ -174,7 +174,7 @@ proptest! {
 #[test]
 fn many_contacts_on_one_body_have_a_bound_and_128_take_no_time() {
     let numbers: Vec<f64> = (1..200).map(|i| (0.618_034 * f64::from(i)).fract()).collect();
-    for shape in [Shape::Disc, Shape::Tangled, Shape::OneMass] {
+    for shape in [ContactShape::Disc, ContactShape::Tangled, ContactShape::OneMass] {
         for (contacts, mu) in [(8, 0.1), (8, 0.4), (32, 0.1), (32, 0.4), (128, 0.1), (128, 0.3)] {
             let model = model(shape, contacts, &numbers).with_friction(mu);
             let model = model.linear().unwrap();

@@ -19,7 +19,7 @@ use super::eigenvalues::{Solver, by_schur, eigenvalues};
 use super::frequency_bound::{FrequencyBound, Sizes};
 use super::{damped_step, step_search};
 use crate::Error;
-use crate::contact::{ContactState, Joined, all_states};
+use crate::contact::{ContactState, JoinedStates, all_states};
 use crate::model::{Damping, LinearModel, LumpedModel};
 use nalgebra::Complex;
 
@@ -62,7 +62,7 @@ impl std::fmt::Display for CriticalStep {
                 write!(f, "{:.4e} s (", self.step)?;
                 match &**states {
                     [] => write!(f, "no contacts{mode})"),
-                    states => write!(f, "state {}{mode})", Joined(states)),
+                    states => write!(f, "state {}{mode})", JoinedStates(states)),
                 }
             }
             Origin::Bound => write!(f, "at least {:.4e} s (a bound for all states)", self.step),
@@ -196,7 +196,7 @@ pub(super) fn squares(
     let failed = || {
         Error::step_too_large(format!(
             "no critical step is known: the eigenvalues of contact state {} were not found",
-            Joined(states)
+            JoinedStates(states)
         ))
     };
     // A state that determines no motion sets no limit.

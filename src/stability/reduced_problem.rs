@@ -9,7 +9,7 @@
 use super::complex::{modulus, root};
 use super::eigenvalues::eigenvalues;
 use crate::Error;
-use crate::contact::{ContactState, Joined};
+use crate::contact::{ContactState, JoinedStates};
 use crate::model::{LinearModel, LumpedModel, ReducedMatrices};
 use nalgebra::{Complex, DMatrix};
 
@@ -27,7 +27,7 @@ pub fn stiffness_eigenvalues(
     let (operator, _) = operator(&reduced)?;
     let floor = rounding(&operator);
     let found = eigenvalues(operator).ok_or_else(|| {
-        let states = Joined(states);
+        let states = JoinedStates(states);
         Error::analysis(format!("the eigenvalues of contact state {states} were not found"))
     })?;
     Ok(found.into_iter().map(|sigma| cleaned(sigma, floor)).collect())

@@ -4,7 +4,7 @@ use super::damped_modes;
 use super::reduced_problem::{EigenvalueKind, check_size, quadratic_roots};
 use super::symmetry::all_stiffness_eigenvalues;
 use crate::Error;
-use crate::contact::{ContactState, Joined};
+use crate::contact::{ContactState, JoinedStates};
 use crate::model::LinearModel;
 use nalgebra::Complex;
 
@@ -38,7 +38,7 @@ impl Spectrum {
         Err(Error::analysis(format!(
             "the eigenvalues of contact state {} leave the range of floating-point numbers; look for a \
              value that is too large",
-            Joined(states)
+            JoinedStates(states)
         )))
     }
 

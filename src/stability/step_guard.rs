@@ -179,7 +179,7 @@ mod tests {
     use super::*;
     use crate::model::SparseMatrix;
     use crate::scene::builtin;
-    use crate::stability::bound_tests::{Shape, any_numbers, model};
+    use crate::stability::bound_tests::{ContactShape, any_numbers, model};
     use proptest::prelude::*;
 
     fn set1() -> LumpedModel {
@@ -200,7 +200,12 @@ mod tests {
 
     /// A model, with dampers or without, and the friction of its contacts, `None` where it is the common one.
     fn any_model() -> impl Strategy<Value = (LumpedModel, Vec<Option<f64>>)> {
-        let shapes = vec![Shape::Disc, Shape::Tangled, Shape::Chain, Shape::OneMass];
+        let shapes = vec![
+            ContactShape::Disc,
+            ContactShape::Tangled,
+            ContactShape::Chain,
+            ContactShape::OneMass,
+        ];
         let damping = (0.0..30.0_f64, 0.0..1e-4_f64, prop::option::of(0.1..100.0_f64));
         let own = prop::collection::vec(prop::option::of(0.0..1.0_f64), 3);
         let shape = prop::sample::select(shapes);
@@ -260,7 +265,7 @@ mod tests {
     #[test]
     fn friction_that_changes_at_each_step_is_checked_in_little_time() {
         let numbers: Vec<f64> = (1..200).map(|i| (0.618_034 * f64::from(i)).fract()).collect();
-        let mut model = model(Shape::Disc, 3, &numbers);
+        let mut model = model(ContactShape::Disc, 3, &numbers);
         model.dampers = SparseMatrix::from_entries(model.dofs(), vec![(0, 0, 10.0)]);
         let rubbing = |i: u32| model.clone().with_friction(0.3 + 1e-4 * f64::from(i));
         let models: Vec<LumpedModel> = (0..20).map(rubbing).collect();

@@ -1,7 +1,7 @@
 //! Orders, invariants and limits of the scheme, against closed forms.
 
 use amontons::contact::{ContactLaw, ContactState};
-use amontons::integrator::{Drive, Motion, sparse};
+use amontons::integrator::{Inputs, Motion, sparse};
 use amontons::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 use amontons::scene::{Scene, builtin};
 use amontons::simulation::{Simulation, variables};
@@ -104,8 +104,8 @@ fn at_rest(dofs: usize, contacts: Vec<ContactState>) -> Motion {
     Motion::new(vec![0.0; dofs], vec![0.0; dofs], contacts)
 }
 
-fn no_drive(dofs: usize) -> Drive {
-    Drive::uniform(vec![0.0; dofs], 0, 0.0, 0.0)
+fn no_drive(dofs: usize) -> Inputs {
+    Inputs::uniform(vec![0.0; dofs], 0, 0.0, 0.0)
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn without_damping_the_scheme_keeps_its_own_energy() {
 }
 
 /// A free mass of 1 kg above a slider at rest, pushed down by `weight`.
-fn free_mass(weight: f64) -> (LumpedModel, Drive) {
+fn free_mass(weight: f64) -> (LumpedModel, Inputs) {
     let model = LumpedModel {
         mass: SparseMatrix::diagonal(&[1.0, 1.0]),
         stiffness: SparseMatrix::from_entries(2, vec![]),
@@ -163,7 +163,7 @@ fn free_mass(weight: f64) -> (LumpedModel, Drive) {
         contacts: vec![Contact::new(Direction::unit(1), Direction::unit(0))],
         law: ContactLaw::default(),
     };
-    (model, Drive::uniform(vec![0.0, -weight], 1, 0.0, 0.3))
+    (model, Inputs::uniform(vec![0.0, -weight], 1, 0.0, 0.3))
 }
 
 #[test]

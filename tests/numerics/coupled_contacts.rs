@@ -2,7 +2,7 @@
 //! states, and the general integrator against the one for rings.
 
 use amontons::contact::{ContactLaw, ContactState, Friction, all_states};
-use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement, sparse};
+use amontons::integrator::{Inputs, Integrator, Motion, RingForwardIncrement, sparse};
 use amontons::model::{Contact, Damping, Direction, Entry, LumpedModel, SparseMatrix};
 use amontons::scene::builtin;
 use nalgebra::{DMatrix, DVector};
@@ -45,7 +45,7 @@ fn closed(contacts: usize, velocity: &[f64]) -> Motion {
 
 /// The velocities after one step, from the contact states that contradict none of their own assumptions:
 /// each gives linear equations for velocities and forces. With static friction there may be several.
-fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DVector<f64>> {
+fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Inputs) -> Vec<DVector<f64>> {
     let (n, m) = (model.dofs(), model.contacts.len());
     let dense = |matrix: &SparseMatrix| DMatrix::from_fn(n, n, |i, j| matrix.get(i, j));
     let (mass, stiffness) = (dense(&model.mass), dense(&model.stiffness));
@@ -114,7 +114,7 @@ proptest! {
     ) {
         let model = model(contacts, &coupling);
         let mut motion = closed(contacts, &velocity);
-        let drive = Drive::uniform(force[..2 * contacts].to_vec(), contacts, 0.005, friction);
+        let drive = Inputs::uniform(force[..2 * contacts].to_vec(), contacts, 0.005, friction);
         let candidates = by_enumeration(&model, &motion, &drive);
         let mut integrator = sparse(&model).unwrap();
         integrator.advance(&mut motion, &drive, STEP, 1).unwrap();
@@ -143,7 +143,7 @@ proptest! {
             motion.contacts.fill(ContactState::Stick);
         }
         let friction = Friction::with_static(kinetic, part * kinetic);
-        let drive = Drive::uniform(force[..2 * contacts].to_vec(), contacts, 0.005, friction);
+        let drive = Inputs::uniform(force[..2 * contacts].to_vec(), contacts, 0.005, friction);
         let candidates = by_enumeration(&model, &motion, &drive);
         let mut integrator = sparse(&model).unwrap();
         integrator.advance(&mut motion, &drive, STEP, 1).unwrap();
@@ -171,7 +171,7 @@ fn two_contacts_that_hold_one_mass_in_a_groove_converge_and_keep_it_there() {
         ],
         law: ContactLaw::default(),
     };
-    let drive = Drive::uniform(vec![3.0, -20.0], 2, 0.0, 0.3);
+    let drive = Inputs::uniform(vec![3.0, -20.0], 2, 0.0, 0.3);
     let mut motion = Motion::new(vec![0.0; 2], vec![0.0; 2], vec![ContactState::Stick; 2]);
     let mut integrator = sparse(&model).unwrap();
     integrator.advance(&mut motion, &drive, STEP, 10_000).unwrap();
@@ -196,7 +196,7 @@ fn a_ring_moves_the_same_through_the_general_integrator() {
     scene.modules_mut().extend_from_within(..1);
     let model = LumpedModel::from(&scene);
     let equilibrium = model.equilibrium(&|contact| contact.to_string()).unwrap();
-    let mut drive = Drive::uniform(vec![0.0; model.dofs()], 3, 0.025, 1.96);
+    let mut drive = Inputs::uniform(vec![0.0; model.dofs()], 3, 0.025, 1.96);
     for (i, contact) in model.contacts.iter().enumerate() {
         contact.normal.add_to(&mut drive.force, -equilibrium.normal_force[i]);
         contact.tangent.add_to(&mut drive.force, -equilibrium.friction_force[i]);
@@ -208,7 +208,7 @@ fn a_ring_moves_the_same_through_the_general_integrator() {
     start.contacts = vec![ContactState::Slide; 3];
     start.velocity[0] = 0.3;
     start.velocity[7] = 0.4;
-    let run = |integrator: &mut dyn Integrator, drive: &Drive| {
+    let run = |integrator: &mut dyn Integrator, drive: &Inputs| {
         let mut motion = start.clone();
         integrator.advance(&mut motion, drive, 1e-5, 5_000).unwrap();
         motion

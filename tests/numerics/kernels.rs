@@ -3,7 +3,7 @@
 use amontons::contact::ContactState::{self, Slide};
 use amontons::contact::{ContactLaw, Friction, Law};
 use amontons::integrator::{
-    Drive, Integrator, Motion, RingForwardIncrement, Statistics, choose, dense, kernels, sparse,
+    Inputs, Integrator, Motion, RingForwardIncrement, Statistics, choose, dense, kernels, sparse,
 };
 use amontons::model::{Damping, LumpedModel, SparseMatrix};
 use amontons::scene::{Method, builtin, parse};
@@ -56,7 +56,7 @@ fn of_scene(name: &str) -> LumpedModel {
 fn moved(integrator: &mut dyn Integrator, model: &LumpedModel) -> Motion {
     let contacts = model.contacts.len();
     let friction = Friction::with_static(0.4, 0.6);
-    let drive = Drive::uniform(model.load.clone(), contacts, 0.05, friction);
+    let drive = Inputs::uniform(model.load.clone(), contacts, 0.05, friction);
     let velocity = (0..model.dofs()).map(|i| 0.02 * (i as f64 - 1.3)).collect();
     let mut motion = Motion::new(vec![0.0; model.dofs()], velocity, vec![Slide; contacts]);
     for _ in 0..3 {
@@ -176,7 +176,7 @@ fn the_kernels_of_rings_and_of_networks_agree_on_every_part_of_the_law_of_contac
         {
             let law = ContactLaw { friction, sticking, detachment };
             let model = ring(law, links, beta);
-            let drive = Drive::uniform(
+            let drive = Inputs::uniform(
                 model.load.clone(),
                 3,
                 0.05,

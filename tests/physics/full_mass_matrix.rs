@@ -4,7 +4,7 @@ use crate::judge::blocks::pads;
 use crate::judge::{METHODS, Run, assert_near, off, scene};
 use amontons::contact::ContactLaw;
 use amontons::contact::ContactState::{self, Detached, Slide, Stick};
-use amontons::integrator::{Drive, Motion, choose};
+use amontons::integrator::{Inputs, Motion, choose};
 use amontons::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 use amontons::scene::{Method, Scene, builtin};
 use nalgebra::{DMatrix, DVector};
@@ -69,7 +69,7 @@ fn a_rod_that_falls_on_one_end_is_thrown_on_the_other_by_one_and_a_half_times_it
     for method in METHODS {
         let h = off(method, 1e-5, 1e-2);
         let model = rod(mass, mass * g);
-        let drive = Drive::uniform(model.load.clone(), 2, belt, mu);
+        let drive = Inputs::uniform(model.load.clone(), 2, belt, mu);
         let mut integrator = choose(&model, method).unwrap();
         let mut motion = Motion::new(vec![low, high, 0.0], vec![0.0; 3], vec![Detached; 2]);
         let mut forces = [amontons::contact::ContactForce::detached(0.0); 2];
@@ -131,7 +131,7 @@ fn beside(scene: &Scene, p: &DMatrix<f64>, end: f64) -> Vec<ContactState> {
     let inverse = p.clone().try_inverse().unwrap();
     let acting = run.acting(0.0);
     let load = p.transpose() * &acting.force;
-    let mut drive = Drive::uniform(load.as_slice().to_vec(), model.contacts.len(), 0.0, 0.0);
+    let mut drive = Inputs::uniform(load.as_slice().to_vec(), model.contacts.len(), 0.0, 0.0);
     drive.slider_velocity.clone_from(&acting.slider_velocity);
     drive.friction.clone_from(&acting.friction);
     let place = &inverse * run.total(&run.now[0]);

@@ -4,7 +4,7 @@
 use crate::judge::blocks::{STIFFNESS, block, pads, start};
 use crate::judge::{METHODS, Run, assert_near, off, scene, with};
 use amontons::contact::ContactState::{Detached, Slide, Stick};
-use amontons::integrator::{Drive, Motion, choose};
+use amontons::integrator::{Inputs, Motion, choose};
 use amontons::model::LumpedModel;
 use amontons::scene::{Method, Module, Ramp, Scene, Shape, Signal, Structure, builtin, parse};
 use amontons::simulation::Simulation;
@@ -149,7 +149,7 @@ fn a_contact_that_stands_twice_changes_no_motion() {
     for method in METHODS {
         let motions = [&single, &twice].map(|model| {
             let contacts = model.contacts.len();
-            let drive = Drive::uniform(model.load.clone(), contacts, 0.1, 0.4);
+            let drive = Inputs::uniform(model.load.clone(), contacts, 0.1, 0.4);
             let mut integrator = choose(model, method).unwrap();
             let mut motion =
                 Motion::new(vec![-0.05, 1e-3], vec![0.0, 0.3], vec![Detached; contacts]);
@@ -468,7 +468,7 @@ proptest! {
             let [one, many] = [([1, 1], false), (copies, wedged)].map(|(copies, wedged)| {
                 let model = many_holds(copies, wedged);
                 let contacts = model.contacts.len();
-                let drive = Drive::uniform(model.load.clone(), contacts, slider, mu);
+                let drive = Inputs::uniform(model.load.clone(), contacts, slider, mu);
                 let mut motion = Motion::new(vec![0.0; model.dofs()], velocity.to_vec(), vec![Detached; contacts]);
                 for contact in &model.contacts {
                     motion.displacement[contact.normal.as_unit().unwrap()] = 1e-4;

@@ -5,7 +5,7 @@
 use crate::judge::{LetOff, METHODS, Run, off};
 use amontons::model::LumpedModel;
 use amontons::scene::{
-    BUILTIN, Damper, Mass, Method, Module, Network, Ramp, RubbingPlace, Scene, Shape, Signal,
+    BUILTIN, ContactDefinition, Damper, Mass, Method, Module, Network, Ramp, Scene, Shape, Signal,
     Spring, Structure, builtin,
 };
 use amontons::simulation::Simulation;
@@ -295,7 +295,7 @@ fn network(parts: &[Part]) -> Network {
                 damping: part.damped,
             });
         }
-        network.contacts.push(RubbingPlace {
+        network.contacts.push(ContactDefinition {
             name: format!("c{i}"),
             mass: i,
             on: before.filter(|_| part.on_mass),

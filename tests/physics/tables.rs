@@ -2,7 +2,7 @@
 //! reduced matrices by eqs. (4)–(6) as they stand.
 
 use crate::quadratic;
-use amontons::contact::{ContactState, Joined, all_states};
+use amontons::contact::{ContactState, JoinedStates, all_states};
 use amontons::model::LumpedModel;
 use amontons::scene::builtin;
 use nalgebra::Complex;
@@ -26,7 +26,7 @@ fn assert_table(scene: &str, table: &str) {
     let model = LumpedModel::from(&builtin(scene).unwrap().scene());
     let mut compared = 0;
     for states in all_states(2) {
-        let name = Joined(&states).to_string();
+        let name = JoinedStates(&states).to_string();
         let mut found = eigenvalues_hz(&model, &states, 1.96);
         let printed = table["states"][&name].as_array().unwrap();
         assert_eq!(found.len(), printed.len(), "{name}");

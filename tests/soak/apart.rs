@@ -1,6 +1,6 @@
 //! Initial values that leave no mass inside another, or inside a surface.
 
-use amontons::scene::{Mass, Network, RubbingPlace, direction};
+use amontons::scene::{ContactDefinition, Mass, Network, direction};
 
 /// A mass is pushed out of a surface so often, for others may push it back.
 const MOST_PUSHES: usize = 200;
@@ -12,13 +12,13 @@ fn along(mass: &Mass, d: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|axis| if mass.locked[axis] { 0.0 } else { parts[axis] })
 }
 
-fn normal(contact: &RubbingPlace, slider: f64) -> [f64; 2] {
+fn normal(contact: &ContactDefinition, slider: f64) -> [f64; 2] {
     let [cos, sin] = direction(contact.angle.unwrap_or(slider));
     [-sin, cos]
 }
 
 /// The bodies of a contact with the signs that they have in its gap.
-fn bodies(contact: &RubbingPlace) -> impl Iterator<Item = (usize, f64)> {
+fn bodies(contact: &ContactDefinition) -> impl Iterator<Item = (usize, f64)> {
     [Some(contact.mass), contact.on].into_iter().zip([1.0, -1.0]).filter_map(|(body, sign)| {
         let body = body?;
         Some((body, sign))
@@ -26,7 +26,7 @@ fn bodies(contact: &RubbingPlace) -> impl Iterator<Item = (usize, f64)> {
 }
 
 /// The gap, how much a unit along the normal of each body widens it, and what rounding it may have.
-fn gap(network: &Network, contact: &RubbingPlace, slider: f64) -> [f64; 3] {
+fn gap(network: &Network, contact: &ContactDefinition, slider: f64) -> [f64; 3] {
     let normal = normal(contact, slider);
     bodies(contact).fold([0.0; 3], |[gap, gain, size], (body, sign)| {
         let mass = &network.masses[body];

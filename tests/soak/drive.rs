@@ -3,7 +3,7 @@
 use crate::judge::assign;
 use crate::random::Random;
 use amontons::scene::{
-    Between, Constant, Pulse, Ramp, Role, RubbingPlace, Scene, Shape, Signal, Sine, Structure,
+    Between, Constant, ContactDefinition, Pulse, Ramp, Role, Scene, Shape, Signal, Sine, Structure,
     Table,
 };
 use amontons::simulation::Parameters;
@@ -99,7 +99,7 @@ fn size(random: &mut Random, scene: &Scene, input: &str) -> f64 {
 fn room(scene: &Scene, input: &str) -> f64 {
     let common = scene.friction_coefficient;
     let contacts = scene.network().map_or(&[][..], |network| &network.contacts);
-    let named = |place: &&RubbingPlace| input.starts_with(&format!("contact.{}.", place.name));
+    let named = |place: &&ContactDefinition| input.starts_with(&format!("contact.{}.", place.name));
     let room = match contacts.iter().find(named) {
         Some(place) => {
             let kinetic = place.friction.unwrap_or(common);

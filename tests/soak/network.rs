@@ -4,7 +4,9 @@ use crate::apart;
 use crate::random::Random;
 use crate::ring::{Initial, Sizes};
 use amontons::contact::Law;
-use amontons::scene::{Damper, Mass, Network, RubbingPlace, Scene, Spring, Structure, direction};
+use amontons::scene::{
+    ContactDefinition, Damper, Mass, Network, Scene, Spring, Structure, direction,
+};
 use std::f64::consts::FRAC_PI_2;
 
 /// Arrangement of the contacts.
@@ -143,7 +145,7 @@ fn add_contact(
     let may_drop = scene.effects.sticking && has_friction;
     let static_friction = (has_own(random) && may_drop)
         .then(|| friction.unwrap_or(scene.friction_coefficient) * random.between(1.0, 3.0));
-    network.contacts.push(RubbingPlace {
+    network.contacts.push(ContactDefinition {
         name: format!("c{}", network.contacts.len()),
         mass,
         on,

@@ -2,7 +2,7 @@
 
 use amontons::contact::ContactState;
 use amontons_pictures::picture::{
-    Band, Chart, Class, Lane, Map, Mark, Marker, Panel, Raster, Series, Stretch, Style,
+    Band, Chart, Class, Lane, LaneInterval, Map, Mark, Marker, Panel, Raster, Series, Style,
 };
 use amontons_pictures::report::{
     Cell, Claim, Content, Figure, Line, Page, Section, Table, Verdict,
@@ -59,8 +59,8 @@ pub fn marked() -> Chart {
     let lane = Lane {
         name: "contact".into(),
         stretches: vec![
-            Stretch { from: 0.0, to: 4.0, class: 0 },
-            Stretch { from: 4.0, to: 6.0, class: 1 },
+            LaneInterval { from: 0.0, to: 4.0, class: 0 },
+            LaneInterval { from: 4.0, to: 6.0, class: 1 },
         ],
     };
     let states = [
@@ -156,12 +156,12 @@ fn transient() -> Chart {
     let rows =
         grid(120, [100.0, 300.0]).map(|f| grid(400, [0.0, 5.0]).map(|t| level(t, f)).collect());
     let states = |phase: f64| {
-        let mut stretches = vec![Stretch { from: 0.0, to: 0.8, class: 0 }];
+        let mut stretches = vec![LaneInterval { from: 0.0, to: 0.8, class: 0 }];
         let mut t = 0.8;
         while t < 5.0 {
             let (slip, stick) = (0.004 + 0.001 * phase, if t > 2.4 { 0.0025 } else { 0.0008 });
-            stretches.push(Stretch { from: t, to: t + slip, class: 0 });
-            stretches.push(Stretch { from: t + slip, to: t + slip + stick, class: 1 });
+            stretches.push(LaneInterval { from: t, to: t + slip, class: 0 });
+            stretches.push(LaneInterval { from: t + slip, to: t + slip + stick, class: 1 });
             t += slip + stick;
         }
         stretches

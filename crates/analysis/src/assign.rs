@@ -1,7 +1,7 @@
 //! A value of a scene, by its variable's name.
 
 use amontons::Error;
-use amontons::scene::{Lack, Problem, Scene, did_you_mean};
+use amontons::scene::{MissingFeature, Problem, Scene, did_you_mean};
 use amontons::simulation::catalogue::Quantity;
 use amontons::simulation::{Variable, rule, variables, write_scene};
 use std::collections::HashSet;
@@ -35,7 +35,7 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
             scene.selection
         )));
     }
-    if let Some(Lack { reason, help }) = scene.lack(name) {
+    if let Some(MissingFeature { reason, help }) = scene.explain_missing(name) {
         return Err(Error::argument(format!("{name} cannot be set: {reason}; {help}")));
     }
     if let Some(help) = did_you_mean(name, settable.iter().map(|variable| &*variable.name)) {

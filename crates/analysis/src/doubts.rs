@@ -2,7 +2,7 @@
 //! in N/mm, one slider that would have to go two ways.
 
 use amontons::model::Equilibrium;
-use amontons::scene::{Network, RubbingPlace, Scene, direction};
+use amontons::scene::{ContactDefinition, Network, Scene, direction};
 use amontons::simulation::Simulation;
 use std::f64::consts::{PI, TAU};
 
@@ -132,7 +132,7 @@ fn parted(scene: &Scene) -> Option<String> {
         return None;
     }
     let common = || network.contacts.iter().filter(|place| place.velocity.is_none());
-    let along = |a: &RubbingPlace, b: &RubbingPlace| {
+    let along = |a: &ContactDefinition, b: &ContactDefinition| {
         let [a, b] = [a, b].map(|place| direction(place.angle.unwrap_or(scene.slider.angle)));
         a[0] * b[0] + a[1] * b[1]
     };
@@ -254,7 +254,7 @@ mod tests {
         // With a shoe at a third angle it is a drum.
         let mut drum = scene;
         let Structure::Network(network) = &mut drum.structure else { panic!("it is a network") };
-        let shoe = RubbingPlace { angle: Some(1.5), ..network.contacts[0].clone() };
+        let shoe = ContactDefinition { angle: Some(1.5), ..network.contacts[0].clone() };
         network.contacts.push(shoe);
         assert_eq!(parted(&drum), None);
     }

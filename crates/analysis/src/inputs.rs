@@ -4,7 +4,7 @@
 use crate::assign::assign;
 use amontons::Error;
 use amontons::error::Short;
-use amontons::scene::{Between, Lack, Scene, Table, TimeTable, meant_input};
+use amontons::scene::{Between, MissingFeature, Scene, Table, TimeTable, meant_input};
 use amontons::simulation::catalogue::Causality;
 use amontons::simulation::{Simulation, Variable, variables};
 use std::path::Path;
@@ -31,8 +31,8 @@ impl Inputs {
         let mut columns = Vec::new();
         for (i, name) in table.names.iter().enumerate() {
             let Some(variable) = inputs.iter().find(|input| input.name == *name) else {
-                let help = match scene.lack_of_input(name) {
-                    Some(Lack { reason, help }) => format!("{reason}; {help}"),
+                let help = match scene.explain_missing_input(name) {
+                    Some(MissingFeature { reason, help }) => format!("{reason}; {help}"),
                     None => meant_input(name, &scene.input_names()),
                 };
                 let (path, scene) = (path.display(), &scene.name);

@@ -39,13 +39,13 @@ pub fn check_inputs_stay(output: &Path, inputs: &[&Path]) -> Result<(), Error> {
 /// A file that is written under another name until it is complete. A file that was at the target before is kept until
 /// then; an interrupted run leaves its results in the file ending in `.partial`. A target that is not a regular file
 /// (a pipe, a device) is written to directly.
-pub struct Pending {
+pub struct AtomicFile {
     target: PathBuf,
     partial: Option<PathBuf>,
     writer: BufWriter<File>,
 }
 
-impl Pending {
+impl AtomicFile {
     /// Begins a file that is to stand at `target`.
     ///
     /// # Errors
@@ -94,7 +94,7 @@ impl Pending {
     }
 }
 
-impl Write for Pending {
+impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.writer.write(bytes)
     }

@@ -18,7 +18,7 @@
 
 use amontons::assembly;
 use amontons::contact::ContactState;
-use amontons::integrator::{self, Drive, Integrator, Motion, Statistics};
+use amontons::integrator::{self, Inputs, Integrator, Motion, Statistics};
 use amontons::model::LumpedModel;
 use amontons::scene::{Builtin, Method, Scene, builtin};
 use amontons::simulation::Simulation;
@@ -249,7 +249,7 @@ fn nanoseconds(time: Duration, count: u64) -> f64 {
 /// A ring and its motion. A `Simulation` keeps these to itself; here the C loop needs them too.
 struct Ring {
     model: LumpedModel,
-    drive: Drive,
+    drive: Inputs,
     step: f64,
     motion: Motion,
     integrator: Box<dyn Integrator>,
@@ -266,7 +266,7 @@ impl Ring {
             contact.tangent.add_to(&mut force, -equilibrium.friction_force[i]);
         }
         Self {
-            drive: Drive::uniform(
+            drive: Inputs::uniform(
                 force,
                 model.contacts.len(),
                 scene.slider.velocity,

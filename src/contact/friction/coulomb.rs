@@ -1,6 +1,6 @@
 //! Coulomb's law with one coefficient: |T| ≤ µ N where the contact sticks, T = ±µ N where it slips.
 
-use super::{Friction, FrictionLaw, Frozen, LawInfo};
+use super::{FixedDirection, Friction, FrictionLaw, LawInfo};
 
 pub(super) const INFO: LawInfo = LawInfo {
     name: "coulomb",
@@ -15,7 +15,7 @@ pub(super) const INFO: LawInfo = LawInfo {
 pub struct Coulomb(pub f64);
 
 impl FrictionLaw for Coulomb {
-    type Frozen = Frozen<Self>;
+    type FixedDirection = FixedDirection<Self>;
 
     #[inline(always)]
     fn new(friction: Friction, _: f64) -> Self {

@@ -19,7 +19,7 @@ impl FrictionLaw for Frictionless {
     const STICKS: bool = false;
     const HAS_DIRECTION: bool = false;
 
-    type Frozen = Self;
+    type FixedDirection = Self;
 
     #[inline(always)]
     fn new(_: Friction, _: f64) -> Self {

@@ -13,10 +13,10 @@
 //! | `tests/support/judge/reduced.rs`, `tests/soak/case.rs` | the law as the judge and the soak know it |
 //! | `crates/cli/tests/analyses/answers/` | the law as the matrices of the tests know it |
 
-mod frozen;
+mod fixed_direction;
 mod range;
 
-pub use frozen::Frozen;
+pub use fixed_direction::FixedDirection;
 pub use range::FrictionRange;
 
 use super::ContactState;
@@ -93,7 +93,7 @@ pub trait FrictionLaw: Copy {
     const HAS_DIRECTION: bool = true;
 
     /// This law with its direction held fixed.
-    type Frozen: FrictionLaw;
+    type FixedDirection: FrictionLaw;
 
     /// The law with these numbers, on a surface that moves with velocity `surface` (m/s) along the tangent.
     fn new(friction: Friction, surface: f64) -> Self;
@@ -136,7 +136,7 @@ pub trait FrictionLaw: Copy {
 }
 
 /// A computation that is compiled for each law of friction.
-pub trait UnderLaw {
+pub trait LawVisitor {
     /// Result of the computation.
     type Output;
 
@@ -169,11 +169,11 @@ macro_rules! register {
 
             /// Runs a computation under this law, or under its form with a fixed direction if `sticking` is `false`.
             #[inline(always)]
-            pub fn apply<W: UnderLaw>(self, sticking: bool, work: W) -> W::Output {
+            pub fn apply<W: LawVisitor>(self, sticking: bool, work: W) -> W::Output {
                 match (self, sticking) {
                     $(
                         (Self::$law, true) => work.under::<$law>(),
-                        (Self::$law, false) => work.under::<<$law as FrictionLaw>::Frozen>(),
+                        (Self::$law, false) => work.under::<<$law as FrictionLaw>::FixedDirection>(),
                     )+
                 }
             }

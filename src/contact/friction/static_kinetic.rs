@@ -3,7 +3,7 @@
 //! A contact that slips sticks where µ_k N brings its slip velocity to zero, and then holds with up to
 //! µ_s N against slipping the other way. A touch-down has slipped.
 
-use super::{Coulomb, Friction, FrictionLaw, FrictionRange, Frozen, LawInfo};
+use super::{Coulomb, FixedDirection, Friction, FrictionLaw, FrictionRange, LawInfo};
 use crate::contact::ContactState;
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -23,7 +23,7 @@ pub struct StaticKinetic {
 
 impl FrictionLaw for StaticKinetic {
     // A contact that never sticks has no use for µ_s.
-    type Frozen = Frozen<Coulomb>;
+    type FixedDirection = FixedDirection<Coulomb>;
 
     #[inline(always)]
     fn new(friction: Friction, _: f64) -> Self {

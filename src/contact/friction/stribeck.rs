@@ -3,7 +3,7 @@
 //!
 //! Over a step, µ is that of the slip velocity at its beginning, as for damping: an approximation of first order.
 
-use super::{Friction, FrictionLaw, Frozen, LawInfo, VelocityDependence};
+use super::{FixedDirection, Friction, FrictionLaw, LawInfo, VelocityDependence};
 use crate::contact::ContactState;
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -33,7 +33,7 @@ pub struct Stribeck {
 }
 
 impl FrictionLaw for Stribeck {
-    type Frozen = Frozen<Self>;
+    type FixedDirection = FixedDirection<Self>;
 
     #[inline(always)]
     fn new(friction: Friction, _: f64) -> Self {

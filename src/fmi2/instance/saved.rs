@@ -14,11 +14,11 @@ pub(in crate::fmi2) struct SavedInstance {
     /// Fingerprint of the FMU to which the saved instance belongs.
     guid: Arc<str>,
     setup: Setup,
-    run: Run,
+    run: SavedRun,
 }
 
 #[derive(Clone)]
-enum Run {
+enum SavedRun {
     BeforeStart(Box<Parameters>),
     Running(Box<Snapshot>),
 }
@@ -51,8 +51,8 @@ impl Instance {
             guid: Arc::clone(&self.guid),
             setup: self.setup.clone(),
             run: match self.simulation.as_ref().filter(|_| self.has_started) {
-                Some(simulation) => Run::Running(Box::new(simulation.save())),
-                None => Run::BeforeStart(Box::new(self.parameters.clone())),
+                Some(simulation) => SavedRun::Running(Box::new(simulation.save())),
+                None => SavedRun::BeforeStart(Box::new(self.parameters.clone())),
             },
         }
     }
@@ -61,8 +61,8 @@ impl Instance {
     pub(in crate::fmi2) fn serialize(&self, saved: &SavedInstance) -> Result<Vec<u8>, Error> {
         self.check_owner(saved)?;
         let (parameters, progress) = match &saved.run {
-            Run::BeforeStart(parameters) => (&**parameters, None),
-            Run::Running(snapshot) => (snapshot.nominal(), Some(snapshot.progress())),
+            SavedRun::BeforeStart(parameters) => (&**parameters, None),
+            SavedRun::Running(snapshot) => (snapshot.nominal(), Some(snapshot.progress())),
         };
         Ok(to_bytes(&(&saved.setup, parameters.values(), progress), &self.guid))
     }
@@ -80,11 +80,11 @@ impl Instance {
         check(&setup, progress.is_some())?;
         let parameters = self.original.with_values(values)?;
         let run = match progress {
-            None => Run::BeforeStart(Box::new(parameters)),
+            None => SavedRun::BeforeStart(Box::new(parameters)),
             Some(progress) => {
                 let snapshot = Snapshot::new(parameters, progress);
                 snapshot.check(setup.phase == Phase::Error)?;
-                Run::Running(Box::new(snapshot))
+                SavedRun::Running(Box::new(snapshot))
             }
         };
         Ok(SavedInstance { guid: Arc::clone(&self.guid), setup, run })
@@ -93,16 +93,16 @@ impl Instance {
     pub(in crate::fmi2) fn restore(&mut self, saved: &SavedInstance) -> Result<(), Error> {
         self.check_owner(saved)?;
         match &saved.run {
-            Run::BeforeStart(parameters) => {
+            SavedRun::BeforeStart(parameters) => {
                 self.parameters.clone_from(parameters);
                 self.simulation = None;
             }
-            Run::Running(snapshot) => match &mut self.simulation {
+            SavedRun::Running(snapshot) => match &mut self.simulation {
                 Some(simulation) => simulation.restore(snapshot)?,
                 None => self.simulation = Some(Simulation::resume((**snapshot).clone())?),
             },
         }
-        self.has_started = matches!(saved.run, Run::Running(_));
+        self.has_started = matches!(saved.run, SavedRun::Running(_));
         self.setup.clone_from(&saved.setup);
         Ok(())
     }

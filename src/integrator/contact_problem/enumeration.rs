@@ -8,7 +8,7 @@
 //! least that nothing pulls, that friction stays within its limits, and that no contact is pressed into its surface. If
 //! no forces meet even these conditions, all states that follow are left out (branch and bound).
 
-use super::{ContactProblem, Freedom, Strictness};
+use super::{ContactConstraint, ContactProblem, Strictness};
 use crate::contact::ContactState;
 
 /// The search is always completed if there are no more states than this: those of eight contacts under the full law.
@@ -100,18 +100,22 @@ impl LinearProgram {
     }
 
     /// Writes the necessary conditions of the law of a contact, in whatever state it is.
-    fn ask_least(&mut self, contact: usize, freedom: &Freedom) {
+    fn ask_least(&mut self, contact: usize, constraint: &ContactConstraint) {
         let Self { unknowns, rows, .. } = self;
-        let (slope, width) = match freedom {
-            Freedom::Slipping { direction, friction }
-            | Freedom::HeldSlipping { direction, friction } => (direction * friction, None),
-            Freedom::Law(range) | Freedom::Held(range) => {
+        let (slope, width) = match constraint {
+            ContactConstraint::Slipping { direction, friction }
+            | ContactConstraint::HeldSlipping { direction, friction } => {
+                (direction * friction, None)
+            }
+            ContactConstraint::Law(range) | ContactConstraint::Held(range) => {
                 (-range.backward, Some(range.forward + range.backward))
             }
-            Freedom::Open | Freedom::Fixed | Freedom::Guided { .. } => return,
+            ContactConstraint::Open
+            | ContactConstraint::Fixed
+            | ContactConstraint::Guided { .. } => return,
         };
         unknowns.push(Unknown::Normal { contact, sign: 1.0, slope });
-        unknowns.push(match freedom.is_held() {
+        unknowns.push(match constraint.is_held() {
             true => Unknown::Normal { contact, sign: -1.0, slope },
             false => Unknown::Rest { row: rows.len() },
         });
@@ -191,8 +195,12 @@ impl ContactProblem {
     /// `true` if the law of each contact of a group is one of contact states. Contacts that are held along both
     /// directions, or guided, have none.
     pub(super) fn is_enumerable(&self, group: usize) -> bool {
-        let has_none =
-            |i: &usize| matches!(self.freedom[*i], Freedom::Fixed | Freedom::Guided { .. });
+        let has_none = |i: &usize| {
+            matches!(
+                self.constraint[*i],
+                ContactConstraint::Fixed | ContactConstraint::Guided { .. }
+            )
+        };
         !self.delassus.groups()[group].iter().any(has_none)
     }
 
@@ -266,13 +274,13 @@ impl ContactProblem {
     /// The possible states of a contact.
     pub(super) fn possible(&self, contact: usize) -> &'static [ContactState] {
         use ContactState::{Detached, ReverseSlide, Slide, Stick};
-        match self.freedom[contact] {
-            Freedom::Law(_) => &[Stick, Slide, ReverseSlide, Detached],
-            Freedom::Slipping { direction, .. } if direction > 0.0 => &[Slide, Detached],
-            Freedom::Slipping { .. } => &[ReverseSlide, Detached],
-            Freedom::Held(_) => &[Stick, Slide, ReverseSlide],
-            Freedom::HeldSlipping { direction, .. } if direction > 0.0 => &[Slide],
-            Freedom::HeldSlipping { .. } => &[ReverseSlide],
+        match self.constraint[contact] {
+            ContactConstraint::Law(_) => &[Stick, Slide, ReverseSlide, Detached],
+            ContactConstraint::Slipping { direction, .. } if direction > 0.0 => &[Slide, Detached],
+            ContactConstraint::Slipping { .. } => &[ReverseSlide, Detached],
+            ContactConstraint::Held(_) => &[Stick, Slide, ReverseSlide],
+            ContactConstraint::HeldSlipping { direction, .. } if direction > 0.0 => &[Slide],
+            ContactConstraint::HeldSlipping { .. } => &[ReverseSlide],
             _ => &[Detached],
         }
     }
@@ -314,24 +322,27 @@ impl ContactProblem {
     /// Writes the conditions of the present states of the first `chosen` contacts, and the necessary conditions of the
     /// law of the others.
     fn write_program(&mut self, group: usize, chosen: usize) {
-        let Self { enumeration, delassus, freedom, states, pulls, .. } = self;
+        let Self { enumeration, delassus, constraint, states, pulls, .. } = self;
         enumeration.unknowns.clear();
         enumeration.rows.clear();
         for (place, &contact) in delassus.groups()[group].iter().enumerate() {
             if place >= chosen {
-                enumeration.ask_least(contact, &freedom[contact]);
+                enumeration.ask_least(contact, &constraint[contact]);
                 continue;
             }
             let LinearProgram { unknowns, rows, .. } = &mut *enumeration;
             let state = states[contact];
-            let sign = freedom[contact].sign(pulls[contact]);
-            match (&freedom[contact], state) {
-                (Freedom::Open, _) => {}
+            let sign = constraint[contact].sign(pulls[contact]);
+            match (&constraint[contact], state) {
+                (ContactConstraint::Open, _) => {}
                 (_, ContactState::Detached) => {
                     unknowns.push(Unknown::Rest { row: rows.len() });
                     rows.push(Equation::Normal { contact });
                 }
-                (Freedom::Law(range) | Freedom::Held(range), ContactState::Stick) => {
+                (
+                    ContactConstraint::Law(range) | ContactConstraint::Held(range),
+                    ContactState::Stick,
+                ) => {
                     unknowns.push(Unknown::Normal { contact, sign, slope: -range.backward });
                     unknowns.push(Unknown::Tangential { contact });
                     rows.push(Equation::Normal { contact });
@@ -339,14 +350,14 @@ impl ContactProblem {
                     unknowns.push(Unknown::Rest { row: rows.len() });
                     rows.push(Equation::Cone { contact, width: range.forward + range.backward });
                 }
-                (freedom, _) => {
+                (constraint, _) => {
                     let direction = state.sliding_direction().unwrap_or(1.0);
-                    let (friction, may_turn) = match freedom {
-                        Freedom::Law(range) | Freedom::Held(range) => {
+                    let (friction, may_turn) = match constraint {
+                        ContactConstraint::Law(range) | ContactConstraint::Held(range) => {
                             (range.limit(direction), true)
                         }
-                        &(Freedom::Slipping { friction, .. }
-                        | Freedom::HeldSlipping { friction, .. }) => (friction, false),
+                        &(ContactConstraint::Slipping { friction, .. }
+                        | ContactConstraint::HeldSlipping { friction, .. }) => (friction, false),
                         _ => (0.0, false),
                     };
                     unknowns.push(Unknown::Normal { contact, sign, slope: direction * friction });

@@ -6,7 +6,7 @@ use crate::contact::{ContactState, FrictionRange, LocalProblem};
 
 /// The equations that hold for a contact in a given state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::integrator) enum Demand {
+pub(in crate::integrator) enum StateEquations {
     /// No equation: the contact is open and carries no force.
     Nothing,
     /// The normal force N, with T = `slope` N, makes a_N = 0.
@@ -18,7 +18,7 @@ pub(in crate::integrator) enum Demand {
     Both,
 }
 
-impl Demand {
+impl StateEquations {
     /// The demand on a contact with this block of W, in this state, with T/N in `range`.
     pub(in crate::integrator) fn of(
         state: ContactState,
@@ -48,7 +48,7 @@ struct UnknownMultiplier {
 /// λ of given contact states as a linear function of the accelerations without contact forces.
 pub(in crate::integrator) struct GivenStates {
     /// The demand on each contact for which the equations of its group were last made.
-    demands: Vec<Demand>,
+    demands: Vec<StateEquations>,
     groups: Vec<EquationGroup>,
 }
 
@@ -75,7 +75,7 @@ impl GivenStates {
             }
         };
         Self {
-            demands: vec![Demand::Nothing; delassus.contacts()],
+            demands: vec![StateEquations::Nothing; delassus.contacts()],
             groups: delassus.groups().iter().map(group).collect(),
         }
     }
@@ -91,7 +91,7 @@ impl GivenStates {
         &mut self,
         delassus: &Delassus,
         group: usize,
-        demand: impl Fn(usize) -> Demand,
+        demand: impl Fn(usize) -> StateEquations,
     ) {
         let EquationGroup { contacts, is_set, unknowns, factors, .. } = &mut self.groups[group];
         let mut is_known = *is_set;
@@ -107,11 +107,11 @@ impl GivenStates {
         unknowns.clear();
         for &contact in &*contacts {
             match self.demands[contact] {
-                Demand::Nothing => {}
-                Demand::Normal { slope } => {
+                StateEquations::Nothing => {}
+                StateEquations::Normal { slope } => {
                     unknowns.push(UnknownMultiplier { contact, row: 0, slope });
                 }
-                Demand::Both => {
+                StateEquations::Both => {
                     unknowns.extend([0, 1].map(|row| UnknownMultiplier {
                         contact,
                         row,
@@ -137,7 +137,7 @@ impl GivenStates {
     pub(in crate::integrator) fn set_all(
         &mut self,
         delassus: &Delassus,
-        demand: impl Fn(usize) -> Demand,
+        demand: impl Fn(usize) -> StateEquations,
     ) {
         (0..self.groups()).for_each(|group| self.set(delassus, group, &demand));
     }
@@ -155,8 +155,8 @@ impl GivenStates {
     /// T/N of a contact without an independent friction force; zero for any other.
     pub(in crate::integrator) fn slope(&self, contact: usize) -> f64 {
         match self.demands[contact] {
-            Demand::Normal { slope } => slope,
-            Demand::Nothing | Demand::Both => 0.0,
+            StateEquations::Normal { slope } => slope,
+            StateEquations::Nothing | StateEquations::Both => 0.0,
         }
     }
 

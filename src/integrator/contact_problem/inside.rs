@@ -5,7 +5,7 @@
 //! the law. A share inside the limits stays lawful while the load changes.
 
 use super::states::Strictness;
-use super::{ContactProblem, Freedom, MISSES};
+use super::{ContactConstraint, ContactProblem, MISSES};
 use crate::contact::ContactState;
 
 /// Largest margin to the limits that is tried, relative to the largest force that the load requires.
@@ -25,7 +25,7 @@ impl ContactProblem {
         &mut self,
         group: usize,
         states: &[ContactState],
-        freedom: impl Fn(usize) -> Freedom,
+        constraint: impl Fn(usize) -> ContactConstraint,
     ) -> bool {
         // One contact has no other share, and a larger group would need too large a program.
         if !(2..=MOST_CONTACTS).contains(&self.delassus.groups()[group].len()) {
@@ -34,7 +34,7 @@ impl ContactProblem {
         let mut size = 0.0_f64;
         for &contact in &self.delassus.groups()[group] {
             self.states[contact] = states[contact];
-            self.freedom[contact] = freedom(contact);
+            self.constraint[contact] = constraint(contact);
             self.swept[contact] = self.forces[contact];
             self.unpressed[contact] = self.free[contact];
             let own = self.delassus.own(contact);
@@ -65,9 +65,9 @@ impl ContactProblem {
     /// load; the sum of both is inside the limits of the law. Returns `true` if there are such forces.
     fn press(&mut self, group: usize, least: f64) -> bool {
         for &contact in &self.delassus.groups()[group] {
-            self.corrections[contact] = match (self.states[contact], &self.freedom[contact]) {
+            self.corrections[contact] = match (self.states[contact], &self.constraint[contact]) {
                 (ContactState::Detached, _) => [0.0; 2],
-                (_, Freedom::Slipping { direction, friction }) => {
+                (_, ContactConstraint::Slipping { direction, friction }) => {
                     [least, direction * friction * least]
                 }
                 _ => [least, 0.0],

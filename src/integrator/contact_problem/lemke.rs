@@ -12,7 +12,7 @@
 //! symmetric W ≥ 0 (xᵀ M x = λᵀ W λ + γᵀ N). Pivots are chosen in lexicographic order, so they end: in a solution, or in
 //! a ray, which proves nothing.
 
-use super::{ContactProblem, Freedom, Strictness};
+use super::{ContactConstraint, ContactProblem, Strictness};
 use crate::contact::ContactState;
 
 /// Ratios within this part of the least are tied.
@@ -187,7 +187,7 @@ impl ContactProblem {
                 let contact = self.delassus.groups()[group][place];
                 self.states[contact] = self.pivoted_state(contact);
             }
-            self.solve_states(group, strictness) || self.mend_states(group, strictness)
+            self.solve_states(group, strictness) || self.correct_states(group, strictness)
         })
     }
 
@@ -195,17 +195,19 @@ impl ContactProblem {
     /// are wider by a part of the largest free acceleration; `false` where a contact's law is not a complementarity
     /// condition.
     fn tabulate(&mut self, group: usize, wider: f64) -> bool {
-        let Self { lemke, delassus, freedom, free, .. } = self;
+        let Self { lemke, delassus, constraint, free, .. } = self;
         let largest = delassus.groups()[group].iter().fold(0.0, |largest, &contact| {
             let ([normal, tangential], [n, t]) = (delassus.scales(contact), free[contact]);
             f64::max(largest, (n * normal).abs().max((t * tangential).abs()))
         });
         lemke.parts.clear();
         for &contact in &delassus.groups()[group] {
-            match &freedom[contact] {
-                Freedom::Open => {}
-                Freedom::Slipping { .. } => lemke.parts.push((contact, LemkeVariable::Normal)),
-                Freedom::Law(range) => {
+            match &constraint[contact] {
+                ContactConstraint::Open => {}
+                ContactConstraint::Slipping { .. } => {
+                    lemke.parts.push((contact, LemkeVariable::Normal))
+                }
+                ContactConstraint::Law(range) => {
                     lemke.parts.push((contact, LemkeVariable::Normal));
                     let limits = [
                         (LemkeVariable::Forward, range.forward),
@@ -222,10 +224,10 @@ impl ContactProblem {
                         lemke.parts.push((contact, LemkeVariable::Sliding));
                     }
                 }
-                Freedom::Held(_)
-                | Freedom::HeldSlipping { .. }
-                | Freedom::Fixed
-                | Freedom::Guided { .. } => return false,
+                ContactConstraint::Held(_)
+                | ContactConstraint::HeldSlipping { .. }
+                | ContactConstraint::Fixed
+                | ContactConstraint::Guided { .. } => return false,
             }
         }
         let size = lemke.parts.len();
@@ -237,8 +239,9 @@ impl ContactProblem {
         lemke.entries.clear();
         let scales = |contact: usize| delassus.scales(contact);
         // 1/f or 1/b, in these units.
-        let inverse_limit = |contact: usize, part: LemkeVariable| match (&freedom[contact], part) {
-            (Freedom::Law(range), LemkeVariable::Forward | LemkeVariable::Backward) => {
+        let inverse_limit = |contact: usize, part: LemkeVariable| match (&constraint[contact], part)
+        {
+            (ContactConstraint::Law(range), LemkeVariable::Forward | LemkeVariable::Backward) => {
                 let [normal, tangential] = scales(contact);
                 let limit =
                     if part == LemkeVariable::Forward { range.forward } else { range.backward };
@@ -249,8 +252,8 @@ impl ContactProblem {
         // The force (N, T) of a unit of an unknown; the same factors weigh accelerations.
         let unit = |(contact, part): (usize, LemkeVariable)| -> [f64; 2] {
             let [normal, tangential] = scales(contact);
-            match (part, &freedom[contact]) {
-                (LemkeVariable::Normal, &Freedom::Slipping { direction, friction }) => {
+            match (part, &constraint[contact]) {
+                (LemkeVariable::Normal, &ContactConstraint::Slipping { direction, friction }) => {
                     [normal, direction * friction * normal]
                 }
                 (LemkeVariable::Normal, _) => [normal, 0.0],
@@ -301,7 +304,7 @@ impl ContactProblem {
 
     /// The state of a contact after the last pivots.
     fn pivoted_state(&self, contact: usize) -> ContactState {
-        let Freedom::Law(range) = &self.freedom[contact] else {
+        let ContactConstraint::Law(range) = &self.constraint[contact] else {
             let presses = self.lemke.value(contact, LemkeVariable::Normal).is_some();
             return if presses { ContactState::Slide } else { ContactState::Detached };
         };

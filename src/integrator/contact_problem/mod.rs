@@ -19,10 +19,10 @@
 //! that jams in an iteration may be free under other forces of its neighbours. If the only forces are rounding, since
 //! the equations are singular, the fifth proves nothing and reports [`StepFailure::Singular`].
 
+mod constraint;
 mod delassus;
 mod enumeration;
 mod factors;
-mod freedom;
 mod given_states;
 mod inside;
 mod lemke;
@@ -33,12 +33,12 @@ mod tests;
 
 use crate::contact::{ContactState, LocalSolution};
 use crate::integrator::StepFailure;
+pub(super) use constraint::{ConstraintOf, ContactConstraint, constraint_of};
 pub(super) use delassus::Delassus;
 use enumeration::{LinearProgram, Search};
-pub(super) use freedom::{Freedom, FreedomOf, freedom_of};
-pub(super) use given_states::{Demand, GivenStates};
+pub(super) use given_states::{GivenStates, StateEquations};
 use lemke::Lemke;
-use others::Others;
+use others::OtherSolutions;
 use states::{Acceleration, Strictness};
 
 /// Convergence check (24): the largest change of a multiplier in an iteration relative to the largest one.
@@ -59,7 +59,7 @@ pub(super) struct ContactProblem {
     /// The accelerations that the contacts would have without their forces, m/s².
     pub(super) free: Vec<[f64; 2]>,
     /// The constraint of each contact: its law, or one of its states.
-    pub(super) freedom: Vec<Freedom>,
+    pub(super) constraint: Vec<ContactConstraint>,
     /// The solution λ.
     pub(super) forces: Vec<[f64; 2]>,
     /// The states that belong to the solution.
@@ -78,11 +78,11 @@ pub(super) struct ContactProblem {
     unpressed: Vec<[f64; 2]>,
     lemke: Lemke,
     enumeration: LinearProgram,
-    others: Others,
+    others: OtherSolutions,
 }
 
 /// Result of Gauss–Seidel.
-enum Swept {
+enum GaussSeidelResult {
     /// Converged after this number of iterations.
     Converged(u64),
     /// Not converged within the given number of iterations.
@@ -98,12 +98,12 @@ impl ContactProblem {
         Self {
             has_blurred: false,
             given: GivenStates::new(&delassus),
-            others: Others::with_room(contacts, delassus.groups().len()),
+            others: OtherSolutions::with_room(contacts, delassus.groups().len()),
             lemke: Lemke::with_room(largest),
             enumeration: LinearProgram::with_room(largest),
             delassus,
             free: vec![[0.0; 2]; contacts],
-            freedom: vec![Freedom::Open; contacts],
+            constraint: vec![ContactConstraint::Open; contacts],
             forces: vec![[0.0; 2]; contacts],
             states: vec![ContactState::Detached; contacts],
             pulls: vec![false; contacts],
@@ -120,7 +120,7 @@ impl ContactProblem {
         let Self { given, delassus, .. } = self;
         let mut is_overheld = vec![false; delassus.contacts()];
         for (group, contacts) in delassus.groups().iter().enumerate() {
-            given.set(delassus, group, |_| Demand::Both);
+            given.set(delassus, group, |_| StateEquations::Both);
             contacts.iter().for_each(|&contact| is_overheld[contact] = !given.is_regular(group));
         }
         is_overheld
@@ -157,12 +157,12 @@ impl ContactProblem {
                 Ok((force, state)) => {
                     (self.forces[contact], self.states[contact]) = (force, state);
                     self.pulls[contact] = self.is_held(contact) && force[0] < 0.0;
-                    if !self.let_go(contact) {
+                    if !self.release_to_kinetic_friction(contact) {
                         return Ok(());
                     }
                 }
                 // Static friction that jams a contact is replaced by kinetic friction.
-                Err(failure) if !self.let_go_whatever_it_does(contact) => return Err(failure),
+                Err(failure) if !self.release_both_directions(contact) => return Err(failure),
                 Err(_) => {}
             }
         }
@@ -178,13 +178,14 @@ impl ContactProblem {
         let mut sweeps = 0;
         self.has_blurred = false;
         loop {
-            let (solved, let_go): (_, fn(&mut Self, usize) -> bool) = match self.relax(group) {
-                Ok(taken) => (Ok(taken), Self::let_go),
-                Err(failure) => (Err(failure), Self::let_go_whatever_it_does),
-            };
+            let (solved, release_to_kinetic_friction): (_, fn(&mut Self, usize) -> bool) =
+                match self.solve_group_once(group) {
+                    Ok(taken) => (Ok(taken), Self::release_to_kinetic_friction),
+                    Err(failure) => (Err(failure), Self::release_both_directions),
+                };
             let mut any = false;
             for place in 0..self.delassus.groups()[group].len() {
-                any |= let_go(self, self.delassus.groups()[group][place]);
+                any |= release_to_kinetic_friction(self, self.delassus.groups()[group][place]);
             }
             match solved {
                 Ok(taken) => sweeps += taken,
@@ -200,28 +201,30 @@ impl ContactProblem {
 
     /// Replaces the static limit of a contact that slips by its kinetic friction in that direction; `true` if that
     /// changes the limit. A contact has two limits, so this ends.
-    fn let_go(&mut self, contact: usize) -> bool {
+    fn release_to_kinetic_friction(&mut self, contact: usize) -> bool {
         let direction = self.states[contact].sliding_direction();
-        direction.is_some_and(|direction| self.freedom[contact].let_go(direction))
+        direction.is_some_and(|direction| {
+            self.constraint[contact].release_to_kinetic_friction(direction)
+        })
     }
 
     /// Replaces the static limits of a contact by its kinetic friction in both directions; `true` if that changes a
     /// limit.
-    fn let_go_whatever_it_does(&mut self, contact: usize) -> bool {
-        let freedom = &mut self.freedom[contact];
-        freedom.let_go(1.0) | freedom.let_go(-1.0)
+    fn release_both_directions(&mut self, contact: usize) -> bool {
+        let constraint = &mut self.constraint[contact];
+        constraint.release_to_kinetic_friction(1.0) | constraint.release_to_kinetic_friction(-1.0)
     }
 
     /// Solves a group once, with the present limits, from the present states.
-    fn relax(&mut self, group: usize) -> Result<u64, StepFailure> {
+    fn solve_group_once(&mut self, group: usize) -> Result<u64, StepFailure> {
         if self.solve_states(group, Strictness::Inside) {
             return Ok(1);
         }
         match self.sweep(group, FEW_SWEEPS) {
-            Swept::Converged(sweeps) => Ok(sweeps),
-            Swept::NotYet => self.solve_at_once(group),
-            Swept::Failed(failure @ StepFailure::NotFinite { .. }) => Err(failure),
-            Swept::Failed(_) => self.solve_at_once(group),
+            GaussSeidelResult::Converged(sweeps) => Ok(sweeps),
+            GaussSeidelResult::NotYet => self.solve_at_once(group),
+            GaussSeidelResult::Failed(failure @ StepFailure::NotFinite { .. }) => Err(failure),
+            GaussSeidelResult::Failed(_) => self.solve_at_once(group),
         }
     }
 
@@ -234,7 +237,7 @@ impl ContactProblem {
             let strictness = Strictness::UpTo(missed);
             let is_solved = self.solve_states(group, strictness)
                 || if has_held {
-                    self.mend_states(group, strictness)
+                    self.correct_states(group, strictness)
                 } else {
                     self.pivot(group, strictness)
                 };
@@ -258,9 +261,9 @@ impl ContactProblem {
             }
         }
         match self.sweep(group, MAX_SWEEPS) {
-            Swept::Converged(sweeps) => Ok(sweeps),
-            Swept::NotYet => Err(unproven(self.unsettled(group))),
-            Swept::Failed(failure) => Err(unproven(failure)),
+            GaussSeidelResult::Converged(sweeps) => Ok(sweeps),
+            GaussSeidelResult::NotYet => Err(unproven(self.unsettled(group))),
+            GaussSeidelResult::Failed(failure) => Err(unproven(failure)),
         }
     }
 
@@ -278,19 +281,19 @@ impl ContactProblem {
     }
 
     /// Runs Gauss–Seidel over a group, from zero, for up to `most` iterations. A converged solution is polished.
-    fn sweep(&mut self, group: usize, most: u64) -> Swept {
+    fn sweep(&mut self, group: usize, most: u64) -> GaussSeidelResult {
         self.clear(group);
         for sweep in 1..=most {
             match self.sweep_once(group, sweep) {
                 Ok([change, largest]) if change <= TOLERANCE * largest => {
                     self.polish(group);
-                    return Swept::Converged(sweep);
+                    return GaussSeidelResult::Converged(sweep);
                 }
                 Ok(_) => {}
-                Err(failure) => return Swept::Failed(failure),
+                Err(failure) => return GaussSeidelResult::Failed(failure),
             }
         }
-        Swept::NotYet
+        GaussSeidelResult::NotYet
     }
 
     /// Runs one iteration; returns the largest change of a multiplier, N, and the largest multiplier, N.
@@ -351,16 +354,18 @@ impl ContactProblem {
             normal += w[0] * n + w[1] * t;
             tangential += w[2] * n + w[3] * t;
         }
-        let solution = match &self.freedom[contact] {
-            Freedom::Law(range) => local.solve([normal, tangential], range),
-            Freedom::Open => Some(LocalSolution::OPEN),
-            &Freedom::Slipping { direction, friction } => local.slide(normal, friction, direction),
-            Freedom::Held(range) => local.solve_held([normal, tangential], range),
-            &Freedom::HeldSlipping { direction, friction } => {
+        let solution = match &self.constraint[contact] {
+            ContactConstraint::Law(range) => local.solve([normal, tangential], range),
+            ContactConstraint::Open => Some(LocalSolution::OPEN),
+            &ContactConstraint::Slipping { direction, friction } => {
+                local.slide(normal, friction, direction)
+            }
+            ContactConstraint::Held(range) => local.solve_held([normal, tangential], range),
+            &ContactConstraint::HeldSlipping { direction, friction } => {
                 local.slide_held(normal, friction, direction)
             }
-            Freedom::Fixed => Some(local.fix([normal, tangential])),
-            &Freedom::Guided { slope, state } => local.guide(normal, slope, state),
+            ContactConstraint::Fixed => Some(local.fix([normal, tangential])),
+            &ContactConstraint::Guided { slope, state } => local.guide(normal, slope, state),
         };
         if !(normal.is_finite() && tangential.is_finite()) {
             return Err(self.out_of_range(contact, sweep));

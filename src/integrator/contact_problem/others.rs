@@ -6,9 +6,9 @@
 //! another sign is looked for first, since that does not depend on the motion; where there is one, all states are
 //! tried.
 
-use super::given_states::Demand;
+use super::given_states::StateEquations;
 use super::states::Strictness;
-use super::{ContactProblem, Freedom, MISSES};
+use super::{ContactConstraint, ContactProblem, MISSES};
 use crate::contact::ContactState;
 
 /// Largest number of contacts of a group whose states are all tried whenever one of them changes its own: 4⁴ states.
@@ -17,7 +17,7 @@ const MOST_CONTACTS: usize = 4;
 const OTHER: f64 = 1e-8;
 
 /// The groups whose states may overlap, and memory for a solution.
-pub(super) struct Others {
+pub(super) struct OtherSolutions {
     /// T/N up to which states have been examined, one for each contact.
     limits: Vec<f64>,
     /// `true` for each group of which some state may overlap with another.
@@ -27,7 +27,7 @@ pub(super) struct Others {
     accelerations: Vec<[f64; 2]>,
 }
 
-impl Others {
+impl OtherSolutions {
     pub(super) fn with_room(contacts: usize, groups: usize) -> Self {
         Self {
             limits: vec![0.0; contacts],
@@ -64,9 +64,9 @@ impl ContactProblem {
         }
         let mut is_known = true;
         for &contact in contacts {
-            let limit = match &self.freedom[contact] {
-                Freedom::Law(range) => range.forward.max(range.backward),
-                Freedom::Slipping { friction, .. } => *friction,
+            let limit = match &self.constraint[contact] {
+                ContactConstraint::Law(range) => range.forward.max(range.backward),
+                ContactConstraint::Slipping { friction, .. } => *friction,
                 _ => 0.0,
             };
             let known = &mut self.others.limits[contact];
@@ -89,11 +89,11 @@ impl ContactProblem {
                 let place = contacts.binary_search(&contact).unwrap_or(0);
                 let state = state(code, place);
                 match (state, state.sliding_direction()) {
-                    (ContactState::Detached, _) => Demand::Nothing,
+                    (ContactState::Detached, _) => StateEquations::Nothing,
                     (_, Some(direction)) => {
-                        Demand::Normal { slope: direction * others.limits[contact] }
+                        StateEquations::Normal { slope: direction * others.limits[contact] }
                     }
-                    _ => Demand::Both,
+                    _ => StateEquations::Both,
                 }
             });
             given.orientation(group) < 0.0

@@ -1,6 +1,6 @@
 //! Forces of given contact states, and the check that they obey the law.
 
-use super::{ContactProblem, Demand, Freedom, MISSES};
+use super::{ContactConstraint, ContactProblem, MISSES, StateEquations};
 use crate::contact::{ContactState, FrictionRange, LocalProblem};
 
 /// Number of corrections of a solution of linear equations by its residual.
@@ -70,7 +70,7 @@ impl ContactProblem {
     }
 
     pub(super) fn is_held(&self, contact: usize) -> bool {
-        self.freedom[contact].is_held()
+        self.constraint[contact].is_held()
     }
 
     /// Sets the signs of contacts that pull from the present forces.
@@ -89,31 +89,35 @@ impl ContactProblem {
                 _ if direction > 0.0 => ContactState::Slide,
                 _ => ContactState::ReverseSlide,
             };
-            self.states[contact] = match self.freedom[contact] {
-                Freedom::Law(_) => state,
-                Freedom::Open => ContactState::Detached,
-                Freedom::Slipping { direction, .. } => slides(direction),
-                Freedom::Fixed => ContactState::Stick,
-                Freedom::Guided { state, .. } => state,
-                Freedom::Held(_) if state == ContactState::Detached => ContactState::Stick,
-                Freedom::Held(_) => state,
-                Freedom::HeldSlipping { .. } => self.freedom[contact].closed_state(),
+            self.states[contact] = match self.constraint[contact] {
+                ContactConstraint::Law(_) => state,
+                ContactConstraint::Open => ContactState::Detached,
+                ContactConstraint::Slipping { direction, .. } => slides(direction),
+                ContactConstraint::Fixed => ContactState::Stick,
+                ContactConstraint::Guided { state, .. } => state,
+                ContactConstraint::Held(_) if state == ContactState::Detached => {
+                    ContactState::Stick
+                }
+                ContactConstraint::Held(_) => state,
+                ContactConstraint::HeldSlipping { .. } => self.constraint[contact].closed_state(),
             };
         }
-        let Self { given, delassus, freedom, states, pulls, .. } = self;
+        let Self { given, delassus, constraint, states, pulls, .. } = self;
         given.set(delassus, group, |contact| {
             let own = delassus.local(contact);
-            let demand = |range: &FrictionRange| Demand::of(states[contact], range, own);
-            match &freedom[contact] {
-                Freedom::Law(range) => demand(range),
-                &Freedom::Slipping { friction, .. } => demand(&FrictionRange::of(friction)),
-                Freedom::Fixed => demand(&FrictionRange::of(f64::INFINITY)),
-                &Freedom::Guided { slope, .. } => Demand::Normal { slope },
-                Freedom::Held(range) => held(states[contact], range, own, pulls[contact]),
-                &Freedom::HeldSlipping { friction, .. } => {
+            let demand = |range: &FrictionRange| StateEquations::of(states[contact], range, own);
+            match &constraint[contact] {
+                ContactConstraint::Law(range) => demand(range),
+                &ContactConstraint::Slipping { friction, .. } => {
+                    demand(&FrictionRange::of(friction))
+                }
+                ContactConstraint::Fixed => demand(&FrictionRange::of(f64::INFINITY)),
+                &ContactConstraint::Guided { slope, .. } => StateEquations::Normal { slope },
+                ContactConstraint::Held(range) => held(states[contact], range, own, pulls[contact]),
+                &ContactConstraint::HeldSlipping { friction, .. } => {
                     held(states[contact], &FrictionRange::of(friction), own, pulls[contact])
                 }
-                Freedom::Open => Demand::Nothing,
+                ContactConstraint::Open => StateEquations::Nothing,
             }
         });
     }
@@ -142,26 +146,28 @@ impl ContactProblem {
 
     /// Gives contacts that break the law in the present states the state that they tend to, and solves again, a few
     /// times; `true` if the forces then obey the law.
-    pub(super) fn mend_states(&mut self, group: usize, strictness: Strictness) -> bool {
+    pub(super) fn correct_states(&mut self, group: usize, strictness: Strictness) -> bool {
         (0..MENDS).any(|_| {
             for place in 0..self.delassus.groups()[group].len() {
                 let contact = self.delassus.groups()[group][place];
-                self.mend_state(contact);
+                self.correct_state(contact);
             }
             self.solve_states(group, strictness)
         })
     }
 
     /// Gives a contact that breaks the law in its present state the state that it tends to.
-    fn mend_state(&mut self, contact: usize) {
+    fn correct_state(&mut self, contact: usize) {
         let [a_normal, a_tangential] = self.accelerations[contact].value;
         let [mut normal, tangential] = self.forces[contact];
         if self.is_held(contact) {
             self.pulls[contact] = normal < 0.0;
             normal = normal.abs();
         }
-        let limits = match &self.freedom[contact] {
-            Freedom::Law(range) | Freedom::Held(range) => [range.backward, range.forward],
+        let limits = match &self.constraint[contact] {
+            ContactConstraint::Law(range) | ContactConstraint::Held(range) => {
+                [range.backward, range.forward]
+            }
             _ => [f64::INFINITY; 2],
         };
         let state = &mut self.states[contact];
@@ -238,17 +244,20 @@ impl ContactProblem {
             let is_held = |row: usize| value[row].abs() <= missed * terms[row];
             // The rounding of the acceleration in terms of the normal force.
             let nothing = room * terms[0] / self.delassus.own(contact)[0];
-            let sign = self.freedom[contact].sign(self.pulls[contact]);
+            let sign = self.constraint[contact].sign(self.pulls[contact]);
             let presses = || is_held(0) && is_above(sign * normal, nothing);
-            match (&self.freedom[contact], self.states[contact]) {
-                (Freedom::Open, _) => true,
-                (Freedom::Fixed, _) => is_held(0) && is_held(1),
-                (Freedom::Guided { .. }, _) => is_held(0),
+            match (&self.constraint[contact], self.states[contact]) {
+                (ContactConstraint::Open, _) => true,
+                (ContactConstraint::Fixed, _) => is_held(0) && is_held(1),
+                (ContactConstraint::Guided { .. }, _) => is_held(0),
                 (_, ContactState::Detached) => is_above(value[0], room * terms[0]),
-                (freedom @ (Freedom::Law(range) | Freedom::Held(range)), ContactState::Stick) => {
+                (
+                    constraint @ (ContactConstraint::Law(range) | ContactConstraint::Held(range)),
+                    ContactState::Stick,
+                ) => {
                     // The equations of a contact that is held and sticks are the same whether it presses or pulls.
-                    let (has_sign, normal) = match freedom {
-                        Freedom::Held(_) => (is_held(0), normal.abs()),
+                    let (has_sign, normal) = match constraint {
+                        ContactConstraint::Held(_) => (is_held(0), normal.abs()),
                         _ => (presses(), normal),
                     };
                     let below = tangential + range.backward * normal;
@@ -256,7 +265,7 @@ impl ContactProblem {
                     let nothing = nothing * (1.0 + range.backward.max(range.forward));
                     has_sign && is_held(1) && is_above(below, nothing) && is_above(above, nothing)
                 }
-                (Freedom::Law(_) | Freedom::Held(_), state) => {
+                (ContactConstraint::Law(_) | ContactConstraint::Held(_), state) => {
                     let direction = state.sliding_direction().unwrap_or(1.0);
                     presses() && is_above(-direction * value[1], room * terms[1])
                 }
@@ -267,9 +276,14 @@ impl ContactProblem {
 }
 
 /// The demand on a contact that is held in both directions and pulls or presses.
-fn held(state: ContactState, range: &FrictionRange, own: LocalProblem, pulls: bool) -> Demand {
+fn held(
+    state: ContactState,
+    range: &FrictionRange,
+    own: LocalProblem,
+    pulls: bool,
+) -> StateEquations {
     if !pulls {
-        return Demand::of(state, range, own);
+        return StateEquations::of(state, range, own);
     }
     // T = ±µ|N| = ∓µN.
     let state = match state {
@@ -277,5 +291,5 @@ fn held(state: ContactState, range: &FrictionRange, own: LocalProblem, pulls: bo
         ContactState::ReverseSlide => ContactState::Slide,
         state => state,
     };
-    Demand::of(state, &range.pulling(), own)
+    StateEquations::of(state, &range.pulling(), own)
 }

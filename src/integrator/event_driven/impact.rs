@@ -28,16 +28,16 @@
 //! Afterwards a contact that takes part is open if u_N⁺ is above the budget of [`least_hop`], else its u_N becomes
 //! zero.
 
-use super::ledger::{Strike, Witness};
+use super::ledger::{Impact, MotionObserver};
 use super::rounding::{NOISE, THROWN, least_hop};
 use super::watch::Event;
-use super::{Drive, EventDriven, Motion, StepFailure};
+use super::{EventDriven, Inputs, Motion, StepFailure};
 use crate::contact::ContactState;
-use crate::integrator::contact_problem::Freedom;
+use crate::integrator::contact_problem::ContactConstraint;
 use crate::integrator::dynamics::Dynamics;
 use crate::numerics::max_norm;
 
-impl<W: Witness> EventDriven<W> {
+impl<W: MotionObserver> EventDriven<W> {
     /// Sets the slip velocities that stop to zero: a remainder of rounding would have a direction.
     pub(super) fn stop(&mut self, motion: &mut Motion) {
         let stops = |event: &Option<Event>| *event == Some(Event::Stop);
@@ -50,7 +50,7 @@ impl<W: Witness> EventDriven<W> {
             }
             let law = &mut self.series.law;
             law.set(&self.dynamics, &self.kept, &self.frictionless);
-            law.mend_velocities(&self.dynamics, &self.surface, &mut motion.velocity);
+            law.project_velocities(&self.dynamics, &self.surface, &mut motion.velocity);
         }
         for (i, event) in self.events.iter().enumerate() {
             if let (true, Some(dof)) = (stops(event), self.dynamics.contacts[i].tangent.as_unit()) {
@@ -67,7 +67,7 @@ impl<W: Witness> EventDriven<W> {
     pub(super) fn impact(
         &mut self,
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         speed: f64,
     ) -> Result<(), StepFailure> {
         for (closed, event) in self.closed.iter_mut().zip(&self.events) {
@@ -77,10 +77,10 @@ impl<W: Witness> EventDriven<W> {
         }
         self.kept.clone_from(&self.closed);
         self.close_what_touches(motion, speed);
-        let sweeps = match self.solve_impact(motion, drive, speed) {
+        let sweeps = match self.solve_impact(motion, inputs, speed) {
             Err(_) if self.closed != self.kept => {
                 self.closed.clone_from(&self.kept);
-                self.solve_impact(motion, drive, speed)
+                self.solve_impact(motion, inputs, speed)
             }
             solved => solved,
         }?;
@@ -109,9 +109,9 @@ impl<W: Witness> EventDriven<W> {
                 response.add_to(&mut motion.velocity, impulse);
             }
         }
-        let Self { witness, dynamics, surface, .. } = self;
-        witness.is_struck(Strike { dynamics, surface }, motion);
-        self.stand(motion, speed);
+        let Self { observer, dynamics, surface, .. } = self;
+        observer.is_struck(Impact { dynamics, surface }, motion);
+        self.stabilise_after_impact(motion, speed);
         Ok(())
     }
 
@@ -138,16 +138,18 @@ impl<W: Witness> EventDriven<W> {
     fn solve_impact(
         &mut self,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         speed: f64,
     ) -> Result<u64, StepFailure> {
-        let Dynamics { contacts, problem, freedom_of, law, .. } = &mut self.dynamics;
+        let Dynamics { contacts, problem, constraint_of, law, .. } = &mut self.dynamics;
         let surfaces = if law.is_frozen() { &self.heading } else { &self.surface };
         for (i, contact) in contacts.iter().enumerate() {
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
-            problem.freedom[i] = match self.closed[i] {
-                ContactState::Detached => Freedom::Open,
-                _ => freedom_of(drive.friction[i], -tangential, surfaces[i], motion.contacts[i]),
+            problem.constraint[i] = match self.closed[i] {
+                ContactState::Detached => ContactConstraint::Open,
+                _ => {
+                    constraint_of(inputs.friction[i], -tangential, surfaces[i], motion.contacts[i])
+                }
             };
             problem.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
@@ -163,7 +165,7 @@ impl<W: Witness> EventDriven<W> {
 
     /// Removes the gaps that rounding has left at contacts in an impact, and the normal velocities of those that it
     /// does not throw off: a hop of theirs would be rounding, or one of many ([`least_hop`]).
-    pub(super) fn stand(&mut self, motion: &mut Motion, speed: f64) {
+    pub(super) fn stabilise_after_impact(&mut self, motion: &mut Motion, speed: f64) {
         let mut ended = 0;
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let is_closed = self.closed[i] != ContactState::Detached;
@@ -178,15 +180,15 @@ impl<W: Witness> EventDriven<W> {
         }
         motion.statistics.ended_hops += ended;
         if ended > 0 {
-            self.witness.sees_hops_end(motion, 1.0);
+            self.observer.sees_hops_end(motion, 1.0);
         }
         if self.is_inclined {
             // All contacts at once: a correction of one contact changes its neighbours.
             let (law, dynamics) = (&mut self.series.law, &self.dynamics);
             law.set(dynamics, &self.closed, &self.frictionless);
-            law.mend_gaps(dynamics, &mut motion.displacement);
+            law.project_positions(dynamics, &mut motion.displacement);
             law.set(dynamics, &self.kept, &self.frictionless);
-            law.mend_velocities(dynamics, &self.surface, &mut motion.velocity);
+            law.project_velocities(dynamics, &self.surface, &mut motion.velocity);
         }
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             if let Some(dof) = contact.normal.as_unit() {
@@ -202,7 +204,7 @@ impl<W: Witness> EventDriven<W> {
             }
         }
         if ended > 0 {
-            self.witness.sees_hops_end(motion, -1.0);
+            self.observer.sees_hops_end(motion, -1.0);
         }
     }
 }

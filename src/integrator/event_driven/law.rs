@@ -1,9 +1,9 @@
 //! Equation of motion in given contact states, with accelerations and multipliers in one row.
 
 use crate::contact::{ContactState, Friction, FrictionRange};
-use crate::integrator::contact_problem::{Demand, GivenStates};
+use crate::integrator::contact_problem::{GivenStates, StateEquations};
 use crate::integrator::dynamics::Dynamics;
-use crate::integrator::{Kept, Push, Response};
+use crate::integrator::{AppliedLoad, ConstrainedResponse, HeldStates};
 use crate::model::{Contact, Direction};
 
 /// Forces balance each other if their sum is at most this part of their magnitudes.
@@ -11,7 +11,7 @@ const SHARED: f64 = 1e-9;
 
 /// The actions on the masses, or one power of them in time.
 #[derive(Clone, Copy)]
-pub(super) struct Acting<'a> {
+pub(super) struct Actions<'a> {
     /// x + β ẋ, m; one value for each degree of freedom, as `velocity` and `outer`.
     pub(super) stretch: &'a [f64],
     /// Velocity ẋ, m/s, on which discrete dampers and α act.
@@ -117,7 +117,7 @@ impl StateLaw {
                     _ => friction.kinetic,
                 };
                 let own = delassus.local(contact);
-                Demand::of(states[contact], &FrictionRange::of(limit), own)
+                StateEquations::of(states[contact], &FrictionRange::of(limit), own)
             });
         }
     }
@@ -188,9 +188,9 @@ impl StateLaw {
     pub(super) fn respond(
         &mut self,
         dynamics: &Dynamics,
-        kept: Kept<'_>,
-        push: Push<'_>,
-        response: &mut Response,
+        kept: HeldStates<'_>,
+        push: AppliedLoad<'_>,
+        response: &mut ConstrainedResponse,
     ) {
         let along = |(state, slope): (&ContactState, &f64)| match state.sliding_direction() {
             Some(direction) => Friction::from(direction * slope),
@@ -200,17 +200,17 @@ impl StateLaw {
         let friction: Vec<Friction> = kept.states.iter().zip(kept.slopes).map(along).collect();
         self.set(dynamics, kept.states, &friction);
         dynamics.push(push, response);
-        let Response { forces, acceleration } = response;
+        let ConstrainedResponse { forces, acceleration } = response;
         let free = |i: usize, part| match part {
             0 => dynamics.contacts[i].normal.dot(acceleration),
             _ => dynamics.contacts[i].tangent.dot(acceleration) - push.slider_acceleration[i],
         };
         self.held.all_forces(free, forces);
-        dynamics.carry(response);
+        dynamics.add_contact_accelerations(response);
     }
 
     /// Removes the drift of gaps (m) that rounding causes at closed contacts. Only inclined contacts drift.
-    pub(super) fn mend_gaps(&mut self, dynamics: &Dynamics, x: &mut [f64]) {
+    pub(super) fn project_positions(&mut self, dynamics: &Dynamics, x: &mut [f64]) {
         let contacts = &dynamics.contacts;
         let gap = |i: usize, part| if part == 0 { contacts[i].normal.dot(x) } else { 0.0 };
         self.held.all_forces(gap, &mut self.multipliers);
@@ -219,7 +219,12 @@ impl StateLaw {
 
     /// Removes the velocities (m/s) that rounding has given to contacts along directions in which they are held,
     /// relative to those of their surfaces, `surface`.
-    pub(super) fn mend_velocities(&mut self, dynamics: &Dynamics, surface: &[f64], v: &mut [f64]) {
+    pub(super) fn project_velocities(
+        &mut self,
+        dynamics: &Dynamics,
+        surface: &[f64],
+        v: &mut [f64],
+    ) {
         let contacts = &dynamics.contacts;
         let drift = |i: usize, part| match part {
             0 => contacts[i].normal.dot(v),
@@ -230,8 +235,8 @@ impl StateLaw {
     }
 
     /// Writes accelerations (m/s²) and multipliers (N) into `row`; places without either are zero.
-    pub(super) fn apply(&mut self, dynamics: &Dynamics, acting: Acting, row: &mut [f64]) {
-        let Acting { stretch, velocity, outer, slider } = acting;
+    pub(super) fn apply(&mut self, dynamics: &Dynamics, acting: Actions, row: &mut [f64]) {
+        let Actions { stretch, velocity, outer, slider } = acting;
         for (dof, force) in self.force.iter_mut().enumerate() {
             *force = outer[dof] - dynamics.stiffness.row_times(dof, stretch);
         }

@@ -5,7 +5,7 @@ use super::series::{ORDER, Polynomial, Series, index};
 use crate::contact::ContactState;
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::ledger::half_form;
-use crate::integrator::{Drive, Motion};
+use crate::integrator::{Inputs, Motion};
 use crate::model::{Damping, LumpedModel};
 
 /// ∫ u^k du for u from 0 to 1: 1 / (k + 1).
@@ -20,7 +20,7 @@ const INTEGRATED: [f64; 2 * ORDER] = {
 };
 
 /// A part of a series over which the motion is about to advance.
-pub struct Passage<'a> {
+pub struct Segment<'a> {
     pub(super) dynamics: &'a Dynamics,
     pub(super) series: &'a mut Series,
     /// Outer forces, N, and slider velocities, m/s, at the beginning of the part.
@@ -28,13 +28,13 @@ pub struct Passage<'a> {
     pub(super) surface: &'a [f64],
     /// Slider accelerations at the beginning of the part, m/s².
     pub(super) acceleration: &'a [f64],
-    pub(super) drive: &'a Drive,
+    pub(super) inputs: &'a Inputs,
     /// Length of the part relative to the span of the series.
     pub(super) part: f64,
 }
 
 /// An impact whose impulses have acted; the multipliers are the impulses.
-pub struct Strike<'a> {
+pub struct Impact<'a> {
     pub(super) dynamics: &'a Dynamics,
     /// The velocities of the sliders, m/s.
     pub(super) surface: &'a [f64],
@@ -42,22 +42,22 @@ pub struct Strike<'a> {
 
 /// Observer of the events of a motion. It is a type parameter, so that the usual motion without an observer has no
 /// extra cost.
-pub trait Witness: Send {
-    fn passes(&mut self, passage: Passage<'_>, motion: &mut Motion);
+pub trait MotionObserver: Send {
+    fn passes(&mut self, segment: Segment<'_>, motion: &mut Motion);
 
-    fn is_struck(&mut self, strike: Strike<'_>, motion: &mut Motion);
+    fn is_struck(&mut self, strike: Impact<'_>, motion: &mut Motion);
 
     /// Sees the velocities before (`sign` 1) and after (−1) hops are ended.
     fn sees_hops_end(&mut self, motion: &mut Motion, sign: f64);
 }
 
 /// The observer that ignores all events.
-impl Witness for () {
+impl MotionObserver for () {
     #[inline(always)]
-    fn passes(&mut self, _: Passage<'_>, _: &mut Motion) {}
+    fn passes(&mut self, _: Segment<'_>, _: &mut Motion) {}
 
     #[inline(always)]
-    fn is_struck(&mut self, _: Strike<'_>, _: &mut Motion) {}
+    fn is_struck(&mut self, _: Impact<'_>, _: &mut Motion) {}
 
     #[inline(always)]
     fn sees_hops_end(&mut self, _: &mut Motion, _: f64) {}
@@ -119,10 +119,10 @@ impl Writer {
     }
 }
 
-impl Witness for Writer {
-    fn passes(&mut self, passage: Passage<'_>, motion: &mut Motion) {
+impl MotionObserver for Writer {
+    fn passes(&mut self, segment: Segment<'_>, motion: &mut Motion) {
         let Some(ledger) = &mut motion.ledger else { return };
-        let Passage { dynamics, series, force, surface, acceleration, drive, part } = passage;
+        let Segment { dynamics, series, force, surface, acceleration, inputs, part } = segment;
         let (dofs, time) = (force.len(), part * series.span());
         let powers = series.order();
         self.moved.resize(powers * dofs, 0.0);
@@ -142,7 +142,7 @@ impl Witness for Writer {
         for (k, moved) in self.moved.chunks_exact(dofs).enumerate() {
             for (dof, moved) in moved.iter().enumerate() {
                 let constant = (force[dof] + ledger.balance[dof]) * INTEGRATED[k];
-                let rising = time * drive.force_rate[dof] * INTEGRATED[k + 1];
+                let rising = time * inputs.force_rate[dof] * INTEGRATED[k + 1];
                 work += moved * (constant + rising);
             }
         }
@@ -150,14 +150,14 @@ impl Witness for Writer {
         for i in 1..series.waves.powers() {
             power *= part;
             self.wave.fill(0.0);
-            series.waves.add_forces(&drive.waves, i, &mut self.wave);
+            series.waves.add_forces(&inputs.waves, i, &mut self.wave);
             for (k, moved) in self.moved.chunks_exact(dofs).enumerate() {
                 work += power * INTEGRATED[i + k] * dot(moved, &self.wave);
             }
         }
         ledger.forces += work;
 
-        series.law.set(dynamics, &motion.contacts, &drive.friction);
+        series.law.set(dynamics, &motion.contacts, &inputs.friction);
         for (i, contact) in dynamics.contacts.iter().enumerate() {
             if motion.contacts[i] == ContactState::Detached {
                 continue;
@@ -172,7 +172,7 @@ impl Witness for Writer {
             let mut carried: Polynomial = [0.0; ORDER + 1];
             carried[0] = time * surface[i];
             carried[1] = time * time * acceleration[i];
-            series.waves.add_velocity(&drive.waves, i, (time, part), &mut carried);
+            series.waves.add_velocity(&inputs.waves, i, (time, part), &mut carried);
             let carried = &carried[..series.waves.powers().max(2)];
             let slipped = &mut self.slipped[..powers];
             for (slipped, moved) in slipped.iter_mut().zip(self.moved.chunks_exact(dofs)) {
@@ -186,7 +186,7 @@ impl Witness for Writer {
         }
     }
 
-    fn is_struck(&mut self, Strike { dynamics, surface }: Strike<'_>, motion: &mut Motion) {
+    fn is_struck(&mut self, Impact { dynamics, surface }: Impact<'_>, motion: &mut Motion) {
         let Some(ledger) = &mut motion.ledger else { return };
         let problem = &dynamics.problem;
         for (i, contact) in dynamics.contacts.iter().enumerate() {

@@ -130,15 +130,17 @@ mod series;
 mod watch;
 mod waves;
 
-use super::contact_problem::{ContactProblem, Freedom};
+use super::contact_problem::{ContactConstraint, ContactProblem};
 use super::dynamics::Dynamics;
-use super::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
+use super::{
+    AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Integrator, Motion, StepFailure,
+};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Contact, Damping, Direction, LumpedModel};
 use impact::frictionless;
 pub(super) use ledger::Writer;
-use ledger::{Passage, Witness};
+use ledger::{MotionObserver, Segment};
 use reduced::MOST_PLACES;
 use rounding::{DIFFERENCE, NOISE, pulls, shortest};
 use series::{ORDER, Polynomial, Series, SeriesStart};
@@ -166,7 +168,7 @@ const AT_LIMIT: f64 = 1e-9;
 /// A contact that touches after more events than this at one instant can stay neither open nor closed.
 const MOST_TOUCHES: u32 = 15;
 /// Acceleration of approach that is prescribed for a contact that can stay neither open nor closed
-/// ([`press_together`](EventDriven::press_together)), relative to the largest one that a contact of its group has
+/// ([`prescribe_approach`](EventDriven::prescribe_approach)), relative to the largest one that a contact of its group has
 /// without contact forces.
 const APPROACH: f64 = 1e-6;
 /// Largest number of series in one internal step. A series covers about three radians of the fastest oscillation, or
@@ -182,7 +184,7 @@ const SHORTEST: f64 = 1e-12;
 /// angle to them) get a full matrix for each contact state that they meet, of which up to 64 are kept, in
 /// at most 300 kB. That memory is allocated when the integrator is made. Larger structures use sparse matrices.
 pub struct EventDriven<W = ()> {
-    witness: W,
+    observer: W,
     dynamics: Dynamics,
     series: Series,
     /// `true` if any contact holds more than one degree of freedom at a time.
@@ -254,8 +256,8 @@ impl EventDriven {
     }
 }
 
-impl<W: Witness> EventDriven<W> {
-    pub(super) fn with_witness(model: &LumpedModel, witness: W) -> Result<Self, Error> {
+impl<W: MotionObserver> EventDriven<W> {
+    pub(super) fn with_witness(model: &LumpedModel, observer: W) -> Result<Self, Error> {
         let about = model.law.friction.info();
         if !about.is_constant() {
             return Err(Error::scene(format!(
@@ -279,7 +281,7 @@ impl<W: Witness> EventDriven<W> {
             )));
         }
         Ok(Self {
-            witness,
+            observer,
             series,
             is_inclined: model.contacts.iter().any(|contact| {
                 contact.normal.as_unit().is_none() || contact.tangent.as_unit().is_none()
@@ -309,28 +311,28 @@ impl<W: Witness> EventDriven<W> {
         })
     }
 
-    fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
+    fn step(&mut self, motion: &mut Motion, inputs: &Inputs, h: f64) -> Result<(), StepFailure> {
         motion.statistics.steps += 1;
         let (mut left, mut events, mut standstill, mut expanded) = (h, 0, 0, 0);
         self.repeats.fill(0);
         self.fastest_here = 0.0;
         self.landings.fill(0);
-        if f64::from(MAX_SERIES) * Waves::reach(&drive.waves, h) < h {
+        if f64::from(MAX_SERIES) * Waves::reach(&inputs.waves, h) < h {
             return Err(StepFailure::TooManySeries { most: MAX_SERIES.into() });
         }
-        self.reach(drive, h, left);
-        self.follow_slider(motion, drive, h);
+        self.reach(inputs, h, left);
+        self.follow_slider(motion, inputs, h);
         self.note_closed(motion);
         if motion.statistics.steps == 1 {
-            self.stop_approach(motion, drive)?;
-            self.count_others_at_start(motion, drive);
+            self.stop_approach(motion, inputs)?;
+            self.count_others_at_start(motion, inputs);
         }
         while left > 0.0 {
             let Self { series, dynamics, force, surface_acceleration, .. } = self;
             let start = (&*motion.displacement, &*motion.velocity);
             let now = SeriesStart { outer: force, slider: surface_acceleration, passed: h - left };
-            let most = Waves::reach(&drive.waves, left);
-            series.expand(dynamics, &motion.contacts, drive, now, start, most);
+            let most = Waves::reach(&inputs.waves, left);
+            series.expand(dynamics, &motion.contacts, inputs, now, start, most);
             let reach = series.span();
             if reach <= SHORTEST * left {
                 // No series covers numbers that have left their range: the motion is to show that to its reader, and
@@ -343,10 +345,10 @@ impl<W: Witness> EventDriven<W> {
             if expanded > MAX_SERIES {
                 return Err(StepFailure::TooManySeries { most: MAX_SERIES.into() });
             }
-            let event = self.next_event(motion, drive);
+            let event = self.next_event(motion, inputs);
             let part = event.unwrap_or(1.0);
             if self.dynamics.law.is_reduced() {
-                self.count_broken(motion, drive, part);
+                self.count_broken(motion, inputs, part);
             }
             let passed = part * reach;
             if passed > NOISE * h {
@@ -355,23 +357,23 @@ impl<W: Witness> EventDriven<W> {
                 self.fastest_here = 0.0;
             }
             if passed > 0.0 {
-                let Self { witness, dynamics, series, force, surface, .. } = self;
+                let Self { observer, dynamics, series, force, surface, .. } = self;
                 let acceleration = &self.surface_acceleration;
-                let passage =
-                    Passage { dynamics, series, force, surface, acceleration, drive, part };
-                witness.passes(passage, motion);
+                let segment =
+                    Segment { dynamics, series, force, surface, acceleration, inputs, part };
+                observer.passes(segment, motion);
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // The remaining time ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
-                self.reach(drive, h, left);
-                self.settle(motion, drive);
+                self.reach(inputs, h, left);
+                self.project_onto_constraints(motion, inputs);
                 self.note_closed(motion);
             }
             if event.is_some() {
                 for (repeats, event) in self.repeats.iter_mut().zip(&self.events) {
                     *repeats += u32::from(event.is_some());
                 }
-                self.change(motion, drive, standstill > 0)?;
+                self.change(motion, inputs, standstill > 0)?;
                 events += 1;
                 standstill += 1;
                 let contacts = self.events.len() as u64;
@@ -387,16 +389,16 @@ impl<W: Witness> EventDriven<W> {
     }
 
     /// Evaluates the inputs of the motion with `left` (s) of a step of length `h` remaining.
-    fn reach(&mut self, drive: &Drive, h: f64, left: f64) {
+    fn reach(&mut self, inputs: &Inputs, h: f64, left: f64) {
         for (force, (start, rate)) in
-            self.force.iter_mut().zip(drive.force.iter().zip(&drive.force_rate))
+            self.force.iter_mut().zip(inputs.force.iter().zip(&inputs.force_rate))
         {
             *force = start + rate * (h - left);
         }
         for (surface, (end, acceleration)) in self
             .surface
             .iter_mut()
-            .zip(drive.slider_velocity.iter().zip(&drive.slider_acceleration))
+            .zip(inputs.slider_velocity.iter().zip(&inputs.slider_acceleration))
         {
             let gained = acceleration * left;
             *surface = end - gained;
@@ -406,8 +408,8 @@ impl<W: Witness> EventDriven<W> {
                 *surface = 0.0;
             }
         }
-        self.surface_acceleration.copy_from_slice(&drive.slider_acceleration);
-        for wave in drive.waves.iter().filter(|wave| wave.amplitude != 0.0) {
+        self.surface_acceleration.copy_from_slice(&inputs.slider_acceleration);
+        for wave in inputs.waves.iter().filter(|wave| wave.amplitude != 0.0) {
             let passed = h - left;
             let [start, now, end] = [0.0, passed, h].map(|t| wave.after(t));
             for &(dof, force) in &wave.pushes {
@@ -434,15 +436,15 @@ impl<W: Witness> EventDriven<W> {
 
     /// Changes contact states after a jump of a slider velocity since the last step: stuck masses begin to slip, and
     /// sliding masses may reverse their slip.
-    fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
+    fn follow_slider(&mut self, motion: &mut Motion, inputs: &Inputs, h: f64) {
         for (speed, (start, end)) in
-            self.surface_speed.iter_mut().zip(self.surface.iter().zip(&drive.slider_velocity))
+            self.surface_speed.iter_mut().zip(self.surface.iter().zip(&inputs.slider_velocity))
         {
             *speed = start.abs().max(end.abs());
         }
         let inverse_mass = &self.dynamics.inverse_mass;
         let (mut swung, mut blurred) = (0.0, 0.0);
-        for wave in &drive.waves {
+        for wave in &inputs.waves {
             let pushed = |&(dof, force): &(usize, f64)| (inverse_mass.get(dof, dof) * force).abs();
             let most = wave.amplitude.abs() * wave.pushes.iter().map(pushed).fold(0.0, f64::max);
             swung += most;
@@ -451,12 +453,12 @@ impl<W: Witness> EventDriven<W> {
                 self.surface_speed[contact] += wave.amplitude.abs();
             }
         }
-        let driven = self.shaken(&self.force) + swung;
+        let driven = self.load_acceleration(&self.force) + swung;
         self.gained = h * driven;
         self.driven = driven + blurred * f64::EPSILON / (NOISE * DIFFERENCE);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             // When a surface begins to move, the sign of its first velocity is rounding.
-            let mean = self.surface[i] + drive.slider_velocity[i];
+            let mean = self.surface[i] + inputs.slider_velocity[i];
             self.heading[i] = mean;
             let old = motion.contacts[i];
             if old == ContactState::Detached {
@@ -491,7 +493,7 @@ impl<W: Witness> EventDriven<W> {
     }
 
     /// Solves the impact of closed contacts that approach when a motion is started.
-    fn stop_approach(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
+    fn stop_approach(&mut self, motion: &mut Motion, inputs: &Inputs) -> Result<(), StepFailure> {
         let speed = self.speed(motion);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let approaches = motion.contacts[i] != ContactState::Detached
@@ -499,19 +501,19 @@ impl<W: Witness> EventDriven<W> {
             self.events[i] = approaches.then_some(Event::Touch);
         }
         if self.events.iter().any(Option::is_some) {
-            self.change(motion, drive, false)
+            self.change(motion, inputs, false)
         } else {
             Ok(())
         }
     }
 
     /// Sets the gaps and velocities that contacts hold to their exact values.
-    fn settle(&mut self, motion: &mut Motion, drive: &Drive) {
+    fn project_onto_constraints(&mut self, motion: &mut Motion, inputs: &Inputs) {
         if self.is_inclined {
             let law = &mut self.series.law;
-            law.set(&self.dynamics, &motion.contacts, &drive.friction);
-            law.mend_gaps(&self.dynamics, &mut motion.displacement);
-            law.mend_velocities(&self.dynamics, &self.surface, &mut motion.velocity);
+            law.set(&self.dynamics, &motion.contacts, &inputs.friction);
+            law.project_positions(&self.dynamics, &mut motion.displacement);
+            law.project_velocities(&self.dynamics, &self.surface, &mut motion.velocity);
         }
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let state = motion.contacts[i];
@@ -529,10 +531,10 @@ impl<W: Witness> EventDriven<W> {
     }
 
     /// Counts at the start of a motion whether the law of contact allows another motion than the present one.
-    fn count_others_at_start(&mut self, motion: &mut Motion, drive: &Drive) {
+    fn count_others_at_start(&mut self, motion: &mut Motion, inputs: &Inputs) {
         self.events.fill(None);
         let speed = self.speed(motion);
-        self.pose(motion, drive, false, speed);
+        self.set_up_contact_problem(motion, inputs, false, speed);
         let problem = &mut self.dynamics.problem;
         // A contact problem without a solution is reported as soon as a state ends.
         let has_others = problem.solve(&motion.contacts).is_ok() && problem.has_another_solution();
@@ -541,7 +543,13 @@ impl<W: Witness> EventDriven<W> {
 
     /// Sets up the contact problem in accelerations at this instant, with the freedom that the events leave to
     /// contacts. `landed`: an impact has been solved, before which the motion had this `speed` (m/s).
-    fn pose(&mut self, motion: &Motion, drive: &Drive, landed: bool, speed: f64) {
+    fn set_up_contact_problem(
+        &mut self,
+        motion: &Motion,
+        inputs: &Inputs,
+        landed: bool,
+        speed: f64,
+    ) {
         self.dynamics.free_acceleration(motion, &self.force);
         let any_in_turn = self.is_in_turn(0..self.repeats.len());
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
@@ -552,15 +560,19 @@ impl<W: Witness> EventDriven<W> {
             // A mass that lands while its surface begins to move has the direction that the surface takes.
             let is_frozen = self.dynamics.law.is_frozen();
             let surface = if is_frozen { self.heading[i] } else { self.surface[i] };
-            let held =
-                (self.dynamics.freedom_of)(drive.friction[i], slip, surface, ContactState::Stick);
+            let held = (self.dynamics.constraint_of)(
+                inputs.friction[i],
+                slip,
+                surface,
+                ContactState::Stick,
+            );
             let still = NOISE * speed.max(self.surface_speed[i]);
             let slipping = |direction| held.slipping(direction);
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
-            problem.freedom[i] = match (self.events[i], motion.contacts[i]) {
-                (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,
+            problem.constraint[i] = match (self.events[i], motion.contacts[i]) {
+                (Some(Event::Lift), _) | (None, ContactState::Detached) => ContactConstraint::Open,
                 // An impact may throw other contacts off, and changes the slip of all.
-                _ if landed && self.kept[i] == ContactState::Detached => Freedom::Open,
+                _ if landed && self.kept[i] == ContactState::Detached => ContactConstraint::Open,
                 _ if landed && slip.abs() > still => slipping(slip.signum()),
                 _ if landed => held,
                 (Some(Event::Slip(direction) | Event::Leave(direction)), _) => sliding(direction),
@@ -587,7 +599,7 @@ impl<W: Witness> EventDriven<W> {
     /// Prescribes an approach for contacts that touch and lift in turn at one instant; `true` if there are any. They
     /// carry nothing there: closed they would pull next, open they would close. So the present forces cannot continue,
     /// and the contact problem is asked for forces that can.
-    fn press_together(&mut self) -> bool {
+    fn prescribe_approach(&mut self) -> bool {
         let mut is_pressed = false;
         for (i, event) in self.events.iter().enumerate() {
             if *event == Some(Event::Touch) && self.repeats[i] > MOST_TOUCHES {
@@ -616,17 +628,17 @@ impl<W: Witness> EventDriven<W> {
             if !turns {
                 continue;
             }
-            let held = problem.freedom[i];
+            let held = problem.constraint[i];
             let slips = |problem: &ContactProblem| problem.states[i] != ContactState::Stick;
-            problem.freedom[i] = held.below_limits(AT_LIMIT);
+            problem.constraint[i] = held.below_limits(AT_LIMIT);
             if problem.solve(&self.likely).is_ok() && slips(problem) {
                 continue;
             }
-            problem.freedom[i] = Freedom::Open;
+            problem.constraint[i] = ContactConstraint::Open;
             if problem.solve(&self.likely).is_ok() && problem.stays_open(i) {
                 continue;
             }
-            problem.freedom[i] = held;
+            problem.constraint[i] = held;
             motion.statistics.count_sweeps(problem.solve(&self.likely)?);
         }
         Ok(())
@@ -635,7 +647,7 @@ impl<W: Witness> EventDriven<W> {
     /// Shares the loads of contacts that stick and slip in turn at one instant and hold more directions than the masses
     /// have: the equations do not determine how these contacts share their load. They share it inside the limits of the
     /// law, or else as the contact problem has found it, until one of their states changes.
-    fn share_loads(&mut self, motion: &Motion, drive: &Drive) {
+    fn share_loads(&mut self, motion: &Motion, inputs: &Inputs) {
         let Self { dynamics, series, surface, surface_acceleration, .. } = self;
         let law = &mut series.law;
         let new = |i: usize| motion.contacts[i];
@@ -650,16 +662,17 @@ impl<W: Witness> EventDriven<W> {
             };
             let is_found = |&i: &usize| are_open_alike(problem.states[i], new(i));
             let (turn, is_found) = (contacts.iter().any(turns), contacts.iter().all(is_found));
-            let freedom_of = dynamics.freedom_of;
-            let freedom = |i: usize| match (new(i), new(i).sliding_direction()) {
-                (ContactState::Detached, _) => Freedom::Open,
+            let constraint_of = dynamics.constraint_of;
+            let constraint = |i: usize| match (new(i), new(i).sliding_direction()) {
+                (ContactState::Detached, _) => ContactConstraint::Open,
                 (_, direction) => {
-                    let held = freedom_of(drive.friction[i], 0.0, surface[i], ContactState::Stick);
+                    let held =
+                        constraint_of(inputs.friction[i], 0.0, surface[i], ContactState::Stick);
                     direction.map_or(held, |direction| held.slipping(direction))
                 }
             };
-            if turn && (problem.solve_inside(group, &motion.contacts, freedom) || is_found) {
-                law.set(dynamics, &motion.contacts, &drive.friction);
+            if turn && (problem.solve_inside(group, &motion.contacts, constraint) || is_found) {
+                law.set(dynamics, &motion.contacts, &inputs.friction);
                 law.share(dynamics, surface_acceleration, group);
             } else {
                 law.share_no_more(dynamics, group);
@@ -672,7 +685,7 @@ impl<W: Witness> EventDriven<W> {
     fn change(
         &mut self,
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         again: bool,
     ) -> Result<(), StepFailure> {
         self.before.clone_from(&motion.contacts);
@@ -682,16 +695,16 @@ impl<W: Witness> EventDriven<W> {
         self.fastest_here = speed;
         self.stop(motion);
         if landed {
-            self.impact(motion, drive, speed)?;
+            self.impact(motion, inputs, speed)?;
         }
-        self.pose(motion, drive, landed, speed);
+        self.set_up_contact_problem(motion, inputs, landed, speed);
         self.likely.clone_from(&motion.contacts);
         for (likely, event) in self.likely.iter_mut().zip(&self.events) {
             if matches!(event, Some(Event::Stop)) {
                 *likely = ContactState::Stick;
             }
         }
-        let is_pressed = self.press_together();
+        let is_pressed = self.prescribe_approach();
         let problem = &mut self.dynamics.problem;
         motion.statistics.count_sweeps(problem.solve(&self.likely)?);
         self.end_turns(motion)?;
@@ -712,7 +725,7 @@ impl<W: Witness> EventDriven<W> {
                 Some(Event::Stop) if again && none_opens && new == state => ContactState::Stick,
                 // Rounding may also hide an opening: a contact that closes repeatedly where it opened stays closed.
                 _ if opens && (MOST_OPENINGS + 1..=MOST_TOUCHES).contains(&self.repeats[i]) => {
-                    self.dynamics.problem.freedom[i].closed_state()
+                    self.dynamics.problem.constraint[i].closed_state()
                 }
                 _ => new,
             };
@@ -724,10 +737,10 @@ impl<W: Witness> EventDriven<W> {
             }
         }
         if is_pressed {
-            self.pose(motion, drive, landed, speed);
+            self.set_up_contact_problem(motion, inputs, landed, speed);
         }
-        self.share_loads(motion, drive);
-        self.settle(motion, drive);
+        self.share_loads(motion, inputs);
+        self.project_onto_constraints(motion, inputs);
         Ok(())
     }
 }
@@ -737,16 +750,16 @@ fn are_open_alike(a: ContactState, b: ContactState) -> bool {
     (a == ContactState::Detached) == (b == ContactState::Detached)
 }
 
-impl<W: Witness> Integrator for EventDriven<W> {
+impl<W: MotionObserver> Integrator for EventDriven<W> {
     fn advance(
         &mut self,
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         step: f64,
         count: u64,
     ) -> Result<(), StepFailure> {
         for _ in 0..count {
-            self.step(motion, drive, step)?;
+            self.step(motion, inputs, step)?;
         }
         Ok(())
     }
@@ -754,21 +767,21 @@ impl<W: Witness> Integrator for EventDriven<W> {
     fn contact_forces(
         &mut self,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
-        if self.present_forces(motion, drive, forces) {
+        if self.present_forces(motion, inputs, forces) {
             return Ok(());
         }
-        self.pose_report(motion, drive);
-        self.dynamics.contact_forces_from(&self.likely, motion, drive, forces)
+        self.pose_report(motion, inputs);
+        self.dynamics.contact_forces_from(&self.likely, motion, inputs, forces)
     }
 
     fn respond(
         &mut self,
-        kept: Kept<'_>,
-        push: Push<'_>,
-        response: &mut Response,
+        kept: HeldStates<'_>,
+        push: AppliedLoad<'_>,
+        response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
         self.series.law.respond(&self.dynamics, kept, push, response);
         Ok(())

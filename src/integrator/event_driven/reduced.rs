@@ -1,8 +1,8 @@
 //! The equation of motion of small structures as one full matrix for each contact state met.
 
-use super::law::{Acting, StateLaw};
+use super::law::{Actions, StateLaw};
 use crate::contact::{ContactState, Friction};
-use crate::integrator::Drive;
+use crate::integrator::Inputs;
 use crate::integrator::dynamics::Dynamics;
 
 /// The most places of a row (degrees of freedom, and multipliers that need places of their own) for
@@ -85,10 +85,10 @@ impl ReducedLaws {
         dynamics: &Dynamics,
         law: &mut StateLaw,
         states: &[ContactState],
-        drive: &Drive,
+        inputs: &Inputs,
         (outer, slider): (&[f64], &[f64]),
     ) -> &Reduced {
-        let friction = &drive.friction;
+        let friction = &inputs.friction;
         if self.friction != *friction {
             self.clear();
             self.friction.copy_from_slice(friction);
@@ -101,7 +101,7 @@ impl ReducedLaws {
         let count = slots.len();
         let slot = &mut slots[folded % count];
         let (dofs, contacts) = (unit.len(), states.len());
-        let nothing = Acting {
+        let nothing = Actions {
             stretch: &zeros[..dofs],
             velocity: &zeros[..dofs],
             outer: &zeros[..dofs],
@@ -114,9 +114,9 @@ impl ReducedLaws {
                 let pairs = *places / 2;
                 let range = column * pairs..(column + 1) * pairs;
                 unit[dof] = 1.0;
-                law.apply(dynamics, Acting { stretch: unit, ..nothing }, row);
+                law.apply(dynamics, Actions { stretch: unit, ..nothing }, row);
                 write(row, &mut slot.springs[range.clone()]);
-                law.apply(dynamics, Acting { velocity: unit, ..nothing }, row);
+                law.apply(dynamics, Actions { velocity: unit, ..nothing }, row);
                 write(row, &mut slot.dampers[range]);
                 unit[dof] = 0.0;
             }
@@ -127,7 +127,7 @@ impl ReducedLaws {
             law.set(dynamics, states, friction);
             slot.outer.copy_from_slice(outer);
             slot.slider.copy_from_slice(slider);
-            let acting = Acting { outer, slider: &slot.slider, ..nothing };
+            let acting = Actions { outer, slider: &slot.slider, ..nothing };
             law.apply(dynamics, acting, &mut slot.load);
         }
         slot

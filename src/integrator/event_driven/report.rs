@@ -1,10 +1,10 @@
 //! Contact forces of a motion in its present contact states.
 
 use super::EventDriven;
-use super::ledger::Witness;
+use super::ledger::MotionObserver;
 use super::rounding::{DIFFERENCE, NOISE};
 use crate::contact::{ContactForce, ContactState};
-use crate::integrator::{Drive, Motion};
+use crate::integrator::{Inputs, Motion};
 use crate::model::Contact;
 use crate::numerics::max_norm;
 
@@ -12,7 +12,7 @@ use crate::numerics::max_norm;
 /// miss the law by more than rounding.
 const CLOSE: f64 = 16.0;
 
-impl<W: Witness> EventDriven<W> {
+impl<W: MotionObserver> EventDriven<W> {
     /// Writes the forces that hold the motion in its present states; `false` if those break the law of
     /// contact, as they may when an input was changed since the last step.
     ///
@@ -20,24 +20,24 @@ impl<W: Witness> EventDriven<W> {
     pub(super) fn present_forces(
         &mut self,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &mut [ContactForce],
     ) -> bool {
-        self.dynamics.free_acceleration(motion, &drive.force);
+        self.dynamics.free_acceleration(motion, &inputs.force);
         let law = &mut self.series.law;
-        law.set(&self.dynamics, &motion.contacts, &drive.friction);
-        let found = law.forces(&self.dynamics, &drive.slider_acceleration);
+        law.set(&self.dynamics, &motion.contacts, &inputs.friction);
+        let found = law.forces(&self.dynamics, &inputs.slider_acceleration);
         for (out, &[normal_force, friction_force]) in forces.iter_mut().zip(found) {
             (out.normal_force, out.friction_force) = (normal_force, friction_force);
         }
-        let fastest = self.fastest(motion, drive);
+        let fastest = self.fastest(motion, inputs);
         let is_frozen = self.dynamics.law.is_frozen();
         let may_pull = !self.dynamics.law.detachment;
         let mut is_overheld = false;
         for (i, out) in forces.iter_mut().enumerate() {
             let state = motion.contacts[i];
             let &mut ContactForce { normal_force, friction_force, .. } = out;
-            let (slip, surface) = (self.slip(i, motion, drive), drive.slider_velocity[i]);
+            let (slip, surface) = (self.slip(i, motion, inputs), inputs.slider_velocity[i]);
             // For a slider at rest only the other masses determine the magnitude of rounding.
             let still = NOISE * surface.abs().max(fastest);
             let size = normal_force.abs() + self.pulled_forces(i, &motion.displacement);
@@ -45,7 +45,7 @@ impl<W: Witness> EventDriven<W> {
             let is_lawful = match state {
                 ContactState::Detached => true,
                 ContactState::Stick => {
-                    let friction = drive.friction[i].static_;
+                    let friction = inputs.friction[i].static_;
                     slip.abs() <= still
                         && friction_force.abs()
                             <= friction * normal_force + (1.0 + friction) * nothing
@@ -65,18 +65,18 @@ impl<W: Witness> EventDriven<W> {
             *out = ContactForce { state, slip_velocity, ..*out };
         }
         let still = NOISE * fastest;
-        (!is_overheld || self.follow_surfaces(motion, drive, forces, still))
-            && self.stay_open(motion, drive, forces)
+        (!is_overheld || self.follow_surfaces(motion, inputs, forces, still))
+            && self.stay_open(motion, inputs, forces)
     }
 
     /// Sets up the contact problem of a report: contacts have the states of the motion, but open contacts that touch
     /// may close.
-    pub(super) fn pose_report(&mut self, motion: &Motion, drive: &Drive) {
-        let still = NOISE * self.fastest(motion, drive);
+    pub(super) fn pose_report(&mut self, motion: &Motion, inputs: &Inputs) {
+        let still = NOISE * self.fastest(motion, inputs);
         for i in 0..motion.contacts.len() {
             self.likely[i] = motion.contacts[i];
-            if self.likely[i] == ContactState::Detached && self.touches(i, motion, drive) {
-                let slip = self.slip(i, motion, drive);
+            if self.likely[i] == ContactState::Detached && self.touches(i, motion, inputs) {
+                let slip = self.slip(i, motion, inputs);
                 self.likely[i] = if slip.abs() <= still {
                     ContactState::Stick
                 } else if slip > 0.0 {
@@ -89,27 +89,27 @@ impl<W: Witness> EventDriven<W> {
     }
 
     /// The slip velocity of a contact: that of its surface against that of its masses, m/s.
-    fn slip(&self, contact: usize, motion: &Motion, drive: &Drive) -> f64 {
+    fn slip(&self, contact: usize, motion: &Motion, inputs: &Inputs) -> f64 {
         let along = self.dynamics.contacts[contact].tangent.dot(&motion.velocity);
-        drive.slider_velocity[contact] - along
+        inputs.slider_velocity[contact] - along
     }
 
     /// The fastest velocity, m/s; above zero also where all masses are at rest.
-    fn fastest(&self, motion: &Motion, drive: &Drive) -> f64 {
-        max_norm(&motion.velocity).max(self.thrown(drive))
+    fn fastest(&self, motion: &Motion, inputs: &Inputs) -> f64 {
+        max_norm(&motion.velocity).max(self.load_velocity(inputs))
     }
 
     /// `true` if a contact of those that hold more directions than there are touches while its masses are at rest,
     /// whatever its surface does. Rounding determines which of such contacts carry a force, and the others have the
     /// state open. Masses that move along each other may be at the highest point of a hop of the size of rounding, and
     /// are open there.
-    fn touches(&self, contact: usize, motion: &Motion, drive: &Drive) -> bool {
+    fn touches(&self, contact: usize, motion: &Motion, inputs: &Inputs) -> bool {
         if !self.overheld[contact] {
             return false;
         }
         let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
-        let strained = self.shortest * self.thrown(drive);
-        let still = NOISE * self.fastest(motion, drive);
+        let strained = self.shortest * self.load_velocity(inputs);
+        let still = NOISE * self.fastest(motion, inputs);
         normal.dot(&motion.displacement).abs()
             <= NOISE * max_norm(&motion.displacement).max(strained)
             && normal.dot(&motion.velocity).abs() <= still
@@ -118,12 +118,12 @@ impl<W: Witness> EventDriven<W> {
 
     /// `true` if no open contact that touches closes under these forces. Surfaces that begin to move may press such
     /// contacts.
-    fn stay_open(&self, motion: &Motion, drive: &Drive, forces: &[ContactForce]) -> bool {
+    fn stay_open(&self, motion: &Motion, inputs: &Inputs, forces: &[ContactForce]) -> bool {
         let is_asked = |i: &usize| {
-            forces[*i].state == ContactState::Detached && self.touches(*i, motion, drive)
+            forces[*i].state == ContactState::Detached && self.touches(*i, motion, inputs)
         };
         (0..forces.len()).filter(is_asked).all(|i| {
-            let [opening, size] = self.acceleration(i, 0, motion, drive, forces);
+            let [opening, size] = self.acceleration(i, 0, motion, inputs, forces);
             opening >= -CLOSE * NOISE * size
         })
     }
@@ -136,7 +136,7 @@ impl<W: Witness> EventDriven<W> {
         contact: usize,
         row: usize,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &[ContactForce],
     ) -> [f64; 2] {
         let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
@@ -144,14 +144,14 @@ impl<W: Witness> EventDriven<W> {
         let given = |i: usize| [forces[i].normal_force, forces[i].friction_force];
         let [carried, size] = self.dynamics.problem.delassus.along(contact, row, given);
         let lost = self.pulled(contact, row, &motion.displacement)
-            + DIFFERENCE * self.shaken(&drive.force);
+            + DIFFERENCE * self.load_acceleration(&inputs.force);
         [free + carried, size + free.abs() + lost]
     }
 
     /// The velocity (m/s) that the largest of the outer forces would give a mass within the time scale of the fastest
     /// oscillation. It scales the rounding of velocities where all masses are at rest.
-    fn thrown(&self, drive: &Drive) -> f64 {
-        self.shortest * self.shaken(&drive.force)
+    fn load_velocity(&self, inputs: &Inputs) -> f64 {
+        self.shortest * self.load_acceleration(&inputs.force)
     }
 
     /// `true` if contacts that hold more directions than there are stay on their surfaces under these forces, and slip
@@ -160,7 +160,7 @@ impl<W: Witness> EventDriven<W> {
     fn follow_surfaces(
         &self,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &[ContactForce],
         still: f64,
     ) -> bool {
@@ -170,13 +170,13 @@ impl<W: Witness> EventDriven<W> {
         };
         let is_frozen = self.dynamics.law.is_frozen();
         (0..forces.len()).filter(is_asked).all(|i| {
-            let [opening, size] = self.acceleration(i, 0, motion, drive, forces);
+            let [opening, size] = self.acceleration(i, 0, motion, inputs, forces);
             // A surface that moves a mass along another one presses it into that one, or lifts it off.
             if opening.abs() > CLOSE * NOISE * size {
                 return false;
             }
-            let [along, size] = self.acceleration(i, 1, motion, drive, forces);
-            let surface = drive.slider_acceleration[i];
+            let [along, size] = self.acceleration(i, 1, motion, inputs, forces);
+            let surface = inputs.slider_acceleration[i];
             let nothing = CLOSE * NOISE * (size + surface.abs());
             let slip = surface - along;
             match forces[i].state.sliding_direction() {

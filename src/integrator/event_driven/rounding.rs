@@ -37,7 +37,7 @@
 //! the step, so a force that grows much within one step has a budget that is too small.
 
 use super::EventDriven;
-use super::ledger::Witness;
+use super::ledger::MotionObserver;
 use crate::integrator::Motion;
 use crate::integrator::dynamics::Dynamics;
 use crate::model::{Direction, SparseMatrix};
@@ -74,7 +74,7 @@ pub(super) fn least_hop(landings: u32) -> f64 {
     THROWN * f64::from(1_u32 << (2 * growths))
 }
 
-impl<W: Witness> EventDriven<W> {
+impl<W: MotionObserver> EventDriven<W> {
     /// The fastest velocity, m/s, as the scale of the rounding of velocities.
     pub(super) fn speed(&self, motion: &Motion) -> f64 {
         max_norm(&motion.velocity).max(self.slowest())
@@ -88,14 +88,14 @@ impl<W: Witness> EventDriven<W> {
 
     /// The largest acceleration that outer forces (N) give a mass, m/s². A load and a signal that balance each other
     /// are rounded separately, so the load alone counts too.
-    pub(super) fn shaken(&self, force: &[f64]) -> f64 {
+    pub(super) fn load_acceleration(&self, force: &[f64]) -> f64 {
         self.dynamics.fastest_driven(force).max(self.loaded)
     }
 
     /// Factor on the budget of rounding at a contact. Where the sign of a difference is decided by rounding, two states
     /// may each lead to the other at one instant: the factor is doubled until the true changes of the difference
     /// decide.
-    pub(super) fn doubt(&self, contact: usize) -> f64 {
+    pub(super) fn rounding_factor(&self, contact: usize) -> f64 {
         let often = self.repeats[contact].saturating_sub(UNDOUBTED);
         f64::from(1_u32 << often.min(MOST_DOUBLINGS))
     }

@@ -28,12 +28,12 @@
 //! The size is that of all degrees of freedom together: a displacement far smaller than the others has their absolute
 //! error, not its own relative one.
 
-use super::law::{Acting, StateLaw, held_dofs};
+use super::law::{Actions, StateLaw, held_dofs};
 use super::reduced::{MOST_PLACES, MOST_STATES, ReducedLaws};
 use super::roots;
 use super::waves::Waves;
 use crate::contact::ContactState;
-use crate::integrator::Drive;
+use crate::integrator::Inputs;
 use crate::integrator::dynamics::Dynamics;
 use crate::model::{Damping, Direction};
 
@@ -197,7 +197,7 @@ impl Series {
         &mut self,
         dynamics: &Dynamics,
         states: &[ContactState],
-        drive: &Drive,
+        inputs: &Inputs,
         now: SeriesStart<'_>,
         (x, v): (&[f64], &[f64]),
         most: f64,
@@ -210,11 +210,11 @@ impl Series {
             for (c, v) in others.iter_mut().zip(v) {
                 *c = v * self.span;
             }
-            self.waves.expand(&drive.waves, now.passed, self.span);
+            self.waves.expand(&inputs.waves, now.passed, self.span);
             match (self.reduced.is_some(), self.waves.powers() > 0) {
-                (true, false) => self.by_matrices::<false>(dynamics, drive, now),
-                (true, true) => self.by_matrices::<true>(dynamics, drive, now),
-                (false, _) => self.large(dynamics, drive, now),
+                (true, false) => self.by_matrices::<false>(dynamics, inputs, now),
+                (true, true) => self.by_matrices::<true>(dynamics, inputs, now),
+                (false, _) => self.large(dynamics, inputs, now),
             }
             let last = &self.displacement[(self.order - 1) * self.places..][..2 * self.places];
             if last.iter().all(|c| c.is_finite()) {
@@ -251,14 +251,14 @@ impl Series {
     fn by_matrices<const WAVES: bool>(
         &mut self,
         dynamics: &Dynamics,
-        drive: &Drive,
+        inputs: &Inputs,
         now: SeriesStart<'_>,
     ) {
         match self.places {
-            4 => self.small::<4, 2, WAVES>(dynamics, drive, now),
-            8 => self.small::<8, 4, WAVES>(dynamics, drive, now),
-            12 => self.small::<12, 6, WAVES>(dynamics, drive, now),
-            _ => self.small::<16, 8, WAVES>(dynamics, drive, now),
+            4 => self.small::<4, 2, WAVES>(dynamics, inputs, now),
+            8 => self.small::<8, 4, WAVES>(dynamics, inputs, now),
+            12 => self.small::<12, 6, WAVES>(dynamics, inputs, now),
+            _ => self.small::<16, 8, WAVES>(dynamics, inputs, now),
         }
     }
 
@@ -266,16 +266,16 @@ impl Series {
     fn small<const N: usize, const P: usize, const WAVES: bool>(
         &mut self,
         dynamics: &Dynamics,
-        drive: &Drive,
+        inputs: &Inputs,
         now: SeriesStart<'_>,
     ) {
         self.order = 0;
-        let mut rate = self.small_rate::<N>(dynamics, drive);
+        let mut rate = self.small_rate::<N>(dynamics, inputs);
         let waves = if WAVES { self.waves.powers() } else { 0 };
-        self.write_wave_rows(dynamics, drive);
+        self.write_wave_rows(dynamics, inputs);
         let Some(reduced) = &mut self.reduced else { return };
         let SeriesStart { outer, slider, .. } = now;
-        let matrices = reduced.of(dynamics, &mut self.law, &self.states, drive, (outer, slider));
+        let matrices = reduced.of(dynamics, &mut self.law, &self.states, inputs, (outer, slider));
         let Damping { alpha, beta } = dynamics.damping;
         let is_damped = alpha != 0.0 || !dynamics.dampers.is_empty();
         let displacement = self.displacement.as_chunks_mut::<N>().0;
@@ -310,7 +310,7 @@ impl Series {
             *new = std::array::from_fn(|i| factor * sum[i] * is_free[i]);
             if k > 0 && k < waves {
                 let (waves, swung) = (&self.waves, &mut self.swung);
-                waves.write_accelerations(&drive.waves, (k, power.ahead), self.span, swung);
+                waves.write_accelerations(&inputs.waves, (k, power.ahead), self.span, swung);
                 for &(dof, contact) in &self.carriers {
                     new[dof] += factor * swung[contact];
                 }
@@ -336,15 +336,15 @@ impl Series {
 
     /// Row of the rates of the outer forces, times the span.
     #[inline]
-    fn small_rate<const N: usize>(&mut self, dynamics: &Dynamics, drive: &Drive) -> [f64; N] {
+    fn small_rate<const N: usize>(&mut self, dynamics: &Dynamics, inputs: &Inputs) -> [f64; N] {
         let mut row = [0.0; N];
-        if drive.force_rate.iter().any(|rate| *rate != 0.0) {
+        if inputs.force_rate.iter().any(|rate| *rate != 0.0) {
             let zeros = &self.zeros;
-            self.law.set(dynamics, &self.states, &drive.friction);
-            let acting = Acting {
+            self.law.set(dynamics, &self.states, &inputs.friction);
+            let acting = Actions {
                 stretch: &zeros[..self.dofs],
                 velocity: &zeros[..self.dofs],
-                outer: &drive.force_rate,
+                outer: &inputs.force_rate,
                 slider: &zeros[..self.states.len()],
             };
             self.law.apply(dynamics, acting, &mut row);
@@ -353,29 +353,29 @@ impl Series {
     }
 
     /// Writes the rows of the powers of the waves.
-    fn write_wave_rows(&mut self, dynamics: &Dynamics, drive: &Drive) {
+    fn write_wave_rows(&mut self, dynamics: &Dynamics, inputs: &Inputs) {
         let Self { law, waves, wave_rows, outer_rate, swung, zeros, dofs, places, span, .. } = self;
         if waves.powers() == 0 {
             return;
         }
-        law.set(dynamics, &self.states, &drive.friction);
+        law.set(dynamics, &self.states, &inputs.friction);
         wave_rows.resize((FORCE_ORDER + 1) * *places, 0.0);
         let rows = wave_rows.chunks_exact_mut(*places).zip(&POWERS).enumerate();
         for (k, (row, power)) in rows.take(waves.powers()).skip(1) {
             outer_rate.fill(0.0);
-            waves.add_forces(&drive.waves, k, outer_rate);
-            waves.write_accelerations(&drive.waves, (k, power.ahead), *span, swung);
+            waves.add_forces(&inputs.waves, k, outer_rate);
+            waves.write_accelerations(&inputs.waves, (k, power.ahead), *span, swung);
             let zeros = &zeros[..*dofs];
             let acting =
-                Acting { stretch: zeros, velocity: zeros, outer: outer_rate, slider: swung };
+                Actions { stretch: zeros, velocity: zeros, outer: outer_rate, slider: swung };
             law.apply(dynamics, acting, row);
         }
     }
 
     /// The recursion with sparse matrices.
-    fn large(&mut self, dynamics: &Dynamics, drive: &Drive, now: SeriesStart<'_>) {
+    fn large(&mut self, dynamics: &Dynamics, inputs: &Inputs, now: SeriesStart<'_>) {
         let Self { law, stretch, velocity, zeros, outer_rate, dofs, span, waves, swung, .. } = self;
-        law.set(dynamics, &self.states, &drive.friction);
+        law.set(dynamics, &self.states, &inputs.friction);
         let places = self.places;
         let (per_span, square) = (1.0 / *span, *span * *span);
         let mut negligible = 0.0;
@@ -391,15 +391,15 @@ impl Series {
             }
             let swings = (1..waves.powers()).contains(&k);
             if k == 1 {
-                for (scaled, rate) in outer_rate.iter_mut().zip(&drive.force_rate) {
+                for (scaled, rate) in outer_rate.iter_mut().zip(&inputs.force_rate) {
                     *scaled = *span * rate;
                 }
             } else if swings {
                 outer_rate.fill(0.0);
             }
             if swings {
-                waves.add_forces(&drive.waves, k, outer_rate);
-                waves.write_accelerations(&drive.waves, (k, power.ahead), *span, swung);
+                waves.add_forces(&inputs.waves, k, outer_rate);
+                waves.write_accelerations(&inputs.waves, (k, power.ahead), *span, swung);
             }
             let [no_force, no_acceleration] = [*dofs, self.slider.len()].map(|n| &zeros[..n]);
             let outer = match k {
@@ -413,7 +413,7 @@ impl Series {
                 _ if swings => &*swung,
                 _ => no_acceleration,
             };
-            law.apply(dynamics, Acting { stretch, velocity, outer, slider }, row);
+            law.apply(dynamics, Actions { stretch, velocity, outer, slider }, row);
             let factor = square * power.integrated_twice;
             for ((new, row), is_free) in new.iter_mut().zip(&*row).zip(&self.is_free) {
                 *new = factor * row * is_free;

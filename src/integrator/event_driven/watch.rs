@@ -1,11 +1,11 @@
 //! Watched functions, which must not become negative while the contact states stay, and their first root. The functions
 //! are in the table of the [event-driven method](super), their budgets in that of [`rounding`](super::rounding).
 
-use super::ledger::Witness;
+use super::ledger::MotionObserver;
 use super::rounding::{DIFFERENCE, NOISE, THROWN};
 use super::{EventDriven, MOST_TURNS, roots};
 use crate::contact::ContactState;
-use crate::integrator::{Drive, Motion};
+use crate::integrator::{Inputs, Motion};
 
 /// The reason why a contact may not keep its state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,10 +30,10 @@ const PARTED: f64 = 1e-10;
 /// Largest number of watched functions of one contact.
 const MOST_WATCHED: usize = 5;
 
-impl<W: Witness> EventDriven<W> {
+impl<W: MotionObserver> EventDriven<W> {
     /// Returns the time of the next event, in parts of the series' span, and writes the event of each contact at that
     /// time to `events`.
-    pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive) -> Option<f64> {
+    pub(super) fn next_event(&mut self, motion: &Motion, inputs: &Inputs) -> Option<f64> {
         self.events.fill(None);
         let mut first = None;
         let bend = self.series.largest_bend();
@@ -45,14 +45,16 @@ impl<W: Witness> EventDriven<W> {
                 (self.events[i], first) = (Some(Event::Part), Some(0.0));
                 continue;
             }
-            let watched = self.watched(i, motion.contacts[i], drive, bend);
+            let watched = self.watched(i, motion.contacts[i], inputs, bend);
             for (event, size) in watched.into_iter().flatten() {
-                let terms = self.fill(i, event, drive);
+                let terms = self.fill(i, event, inputs);
                 let p = &self.polynomial[..terms];
                 let first_negative =
                     |more: f64| roots::first_negative(p, size.map(|size| NOISE * (size + more)));
                 let time = match first_negative(0.0) {
-                    Some(0.0) if self.may_be_strained(i, event) => first_negative(self.strained(i)),
+                    Some(0.0) if self.alternates_stick_and_slip(i, event) => {
+                        first_negative(self.slip_budget(i))
+                    }
                     time => time,
                 };
                 let Some(time) = time else { continue };
@@ -76,18 +78,18 @@ impl<W: Witness> EventDriven<W> {
         &self,
         contact: usize,
         state: ContactState,
-        drive: &Drive,
+        inputs: &Inputs,
         bend: f64,
     ) -> [Option<(Event, [f64; 3])>; MOST_WATCHED] {
         let span = self.series.span();
         let acceleration = 2.0 * bend / (span * span);
         let own = self.dynamics.problem.delassus.own(contact);
-        let doubt = self.doubt(contact);
+        let doubt = self.rounding_factor(contact);
         let force = || {
             let size = self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
             doubt * (size + self.pulled_forces(contact, self.series.power(0)))
         };
-        let friction = drive.friction[contact].static_;
+        let friction = inputs.friction[contact].static_;
         // Gaps and slips between masses are differences of larger values, which lose digits. Putting them
         // where they belong passes that on to all contacts that share masses.
         let of_power = |k| if self.is_inclined { DIFFERENCE * self.series.largest(k) } else { 0.0 };
@@ -157,8 +159,8 @@ impl<W: Witness> EventDriven<W> {
         let span = self.series.span();
         let lost = self.pulled(contact, 0, self.series.power(0)) / DIFFERENCE + self.driven;
         let moved = DIFFERENCE * self.series.largest(0);
-        let nothing =
-            self.doubt(contact) * (PARTED * (2.0 * bend + span * span * lost) + NOISE * moved);
+        let nothing = self.rounding_factor(contact)
+            * (PARTED * (2.0 * bend + span * span * lost) + NOISE * moved);
         normal.dot(self.series.power(2)).abs() > nothing
     }
 
@@ -166,7 +168,7 @@ impl<W: Witness> EventDriven<W> {
     /// `force` is the scale of its normal force, N, and `bend` and `moved` those of the bend of the motion and of the
     /// displacements of which slip is a difference, m.
     fn slipped(&self, contact: usize, friction: f64, force: f64, [bend, moved]: [f64; 2]) -> f64 {
-        let (span, doubt) = (self.series.span(), self.doubt(contact));
+        let (span, doubt) = (self.series.span(), self.rounding_factor(contact));
         let own = self.dynamics.problem.delassus.own(contact);
         // A change that is negligible for friction is negligible for the slip that it causes: otherwise a contact at
         // its limit slips and stops without an end.
@@ -176,14 +178,14 @@ impl<W: Witness> EventDriven<W> {
         along.max(bend) + doubt * moved
     }
 
-    /// `true` if a contact sticks and slips in turn at one instant, so that [`Self::strained`] applies.
-    fn may_be_strained(&self, contact: usize, event: Event) -> bool {
+    /// `true` if a contact sticks and slips in turn at one instant, so that [`Self::slip_budget`] applies.
+    fn alternates_stick_and_slip(&self, contact: usize, event: Event) -> bool {
         matches!(event, Event::Leave(_)) && self.repeats[contact] > MOST_TURNS
     }
 
     /// A slip over the series' span, m, relative to which that of a contact that sticks may be rounding: contact forces
     /// that balance each other leave accelerations of rounding to the masses that share them.
-    fn strained(&self, contact: usize) -> f64 {
+    fn slip_budget(&self, contact: usize) -> f64 {
         let Self { series, dynamics, .. } = self;
         let delassus = &dynamics.problem.delassus;
         let size = |&contact: &usize| {
@@ -192,12 +194,12 @@ impl<W: Witness> EventDriven<W> {
         };
         let largest = delassus.group_of(contact).iter().map(size).fold(0.0, f64::max);
         let span = series.span();
-        self.doubt(contact) * DIFFERENCE * span * span * largest
+        self.rounding_factor(contact) * DIFFERENCE * span * span * largest
     }
 
     /// Counts, if the law of contact is reduced, the contacts that would need the omitted parts within this part of the
     /// series' span.
-    pub(super) fn count_broken(&mut self, motion: &mut Motion, drive: &Drive, part: f64) {
+    pub(super) fn count_broken(&mut self, motion: &mut Motion, inputs: &Inputs, part: f64) {
         let law = self.dynamics.law;
         let (has_direction, detachment) = (law.has_frozen_direction(), law.detachment);
         for i in 0..self.events.len() {
@@ -206,26 +208,33 @@ impl<W: Witness> EventDriven<W> {
             }
             if has_direction {
                 let along = self.series.span() * self.surface[i].abs();
-                let is_reversed = self.falls(i, Event::Stop, drive, along, part);
+                let is_reversed = self.falls(i, Event::Stop, inputs, along, part);
                 motion.statistics.reversed_slips += u64::from(is_reversed);
             }
             if !detachment {
                 let force = self.series.first_normal_force(i).abs();
-                let is_pulled = self.falls(i, Event::Lift, drive, force, part);
+                let is_pulled = self.falls(i, Event::Lift, inputs, force, part);
                 motion.statistics.pulled_contacts += u64::from(is_pulled);
             }
         }
     }
 
     /// `true` if the watched function becomes negative within this part of the series' span.
-    fn falls(&mut self, contact: usize, event: Event, drive: &Drive, size: f64, part: f64) -> bool {
-        let terms = self.fill(contact, event, drive);
+    fn falls(
+        &mut self,
+        contact: usize,
+        event: Event,
+        inputs: &Inputs,
+        size: f64,
+        part: f64,
+    ) -> bool {
+        let terms = self.fill(contact, event, inputs);
         let time = roots::first_negative(&self.polynomial[..terms], [NOISE * size; 3]);
         time.is_some_and(|time| time < part)
     }
 
     /// Writes the watched function as a polynomial; returns its number of terms.
-    fn fill(&mut self, contact: usize, event: Event, drive: &Drive) -> usize {
+    fn fill(&mut self, contact: usize, event: Event, inputs: &Inputs) -> usize {
         let Self { series, dynamics, polynomial, surface, surface_acceleration, .. } = self;
         let rows = &dynamics.contacts[contact];
         match event {
@@ -235,7 +244,7 @@ impl<W: Witness> EventDriven<W> {
                 let span = series.span();
                 polynomial[0] -= span * surface[contact];
                 polynomial[1] -= span * span * surface_acceleration[contact];
-                series.waves.add_velocity(&drive.waves, contact, (-span, 1.0), polynomial);
+                series.waves.add_velocity(&inputs.waves, contact, (-span, 1.0), polynomial);
                 // A slip must keep its direction, and a contact without slip must not begin to slip.
                 let is_turned = match event {
                     Event::Leave(direction) => direction == ContactState::ReverseSlide,
@@ -249,7 +258,7 @@ impl<W: Witness> EventDriven<W> {
             Event::Lift => series.normal_force(contact, polynomial),
             Event::Slip(direction) => {
                 let sign = direction.sliding_direction().unwrap_or(1.0);
-                series.reserve(contact, drive.friction[contact].static_, sign, polynomial)
+                series.reserve(contact, inputs.friction[contact].static_, sign, polynomial)
             }
         }
     }

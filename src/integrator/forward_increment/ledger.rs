@@ -9,7 +9,9 @@
 //! such term begins.
 
 use crate::contact::{ContactForce, ContactState};
-use crate::integrator::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
+use crate::integrator::{
+    AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Integrator, Motion, StepFailure,
+};
 use crate::model::{Damping, LumpedModel};
 
 /// An integrator of the scheme that writes the ledger of its motion.
@@ -39,7 +41,7 @@ impl WithLedger {
     }
 
     /// Adds the step that led to this motion to the ledger.
-    fn write(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
+    fn write(&mut self, motion: &mut Motion, inputs: &Inputs, h: f64) {
         let Some(ledger) = &mut motion.ledger else { return };
         let LumpedModel { mass, stiffness, dampers, damping, contacts, .. } = &self.model;
         let (x, old, new) = (&*self.x, &*self.v, &*motion.velocity);
@@ -53,9 +55,9 @@ impl WithLedger {
             let spring = stiffness.row_times(row, x);
             let gained =
                 mass.row(row).fold(0.0, |sum, (column, m)| sum + m * (new[column] - old[column]));
-            self.impulse[row] = gained - h * (drive.force[row] - damper - spring);
+            self.impulse[row] = gained - h * (inputs.force[row] - damper - spring);
             ledger.damping += h * mean * damper;
-            ledger.forces += h * mean * (drive.force[row] + ledger.balance[row]);
+            ledger.forces += h * mean * (inputs.force[row] + ledger.balance[row]);
         }
         let multipliers = self.integrator.multipliers();
         for (i, contact) in contacts.iter().enumerate() {
@@ -67,7 +69,7 @@ impl WithLedger {
                 Some(forces) => forces[i].map(|force| h * force),
                 None => directions.map(|direction| direction.dot(&self.impulse)),
             };
-            let surface = drive.slider_velocity[i] - 0.5 * h * drive.slider_acceleration[i];
+            let surface = inputs.slider_velocity[i] - 0.5 * h * inputs.slider_acceleration[i];
             let velocities = directions.map(|direction| direction.dot(&self.mean));
             ledger.add_impulses(impulses, velocities, surface);
         }
@@ -78,15 +80,15 @@ impl Integrator for WithLedger {
     fn advance(
         &mut self,
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         step: f64,
         count: u64,
     ) -> Result<(), StepFailure> {
         for _ in 0..count {
             self.x.copy_from_slice(&motion.displacement);
             self.v.copy_from_slice(&motion.velocity);
-            self.integrator.advance(motion, drive, step, 1)?;
-            self.write(motion, drive, step);
+            self.integrator.advance(motion, inputs, step, 1)?;
+            self.write(motion, inputs, step);
         }
         Ok(())
     }
@@ -94,17 +96,17 @@ impl Integrator for WithLedger {
     fn contact_forces(
         &mut self,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
-        self.integrator.contact_forces(motion, drive, forces)
+        self.integrator.contact_forces(motion, inputs, forces)
     }
 
     fn respond(
         &mut self,
-        kept: Kept<'_>,
-        push: Push<'_>,
-        response: &mut Response,
+        kept: HeldStates<'_>,
+        push: AppliedLoad<'_>,
+        response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
         self.integrator.respond(kept, push, response)
     }

@@ -19,14 +19,14 @@ impl Simulation {
         let damping = -dot(dx, &self.held_back(zeros(), &zeros(), v));
         let (mut friction, mut slider, mut moved) = (0.0, 0.0, 0.0);
         for (i, (contact, now)) in self.model.contacts.iter().zip(present).enumerate() {
-            let passed = change.time * self.drive.slider_velocity[i];
+            let passed = change.time * self.inputs.slider_velocity[i];
             slider += now.friction_force * passed;
             friction += now.friction_force * (passed - contact.tangent.dot(dx));
             // The elastic energy is measured from the reference position.
             let [normal, tangential] = change.reference[i];
             moved += normal * contact.normal.dot(x) + tangential * contact.tangent.dot(x);
         }
-        let forces = dot(dx, &self.drive.force) + dot(dx, balance);
+        let forces = dot(dx, &self.inputs.force) + dot(dx, balance);
         let residual = (kinetic + elastic) - (slider + forces - damping - friction);
         [kinetic, elastic + moved, damping, friction, 0.0, slider, forces, residual]
     }

@@ -4,7 +4,7 @@ use super::Change;
 use super::slope::Slope;
 use crate::Error;
 use crate::assembly;
-use crate::scene::RubbingPlace;
+use crate::scene::ContactDefinition;
 use crate::simulation::catalogue::{Causality, Quantity};
 use crate::simulation::{Simulation, Variable, dof};
 
@@ -33,7 +33,7 @@ impl Simulation {
     fn add(&self, change: &mut Change, input: &Variable, by: f64) -> Result<(), Error> {
         let i = input.index;
         // Contacts without their own value use the common one.
-        let common = |own: fn(&RubbingPlace) -> Option<f64>| {
+        let common = |own: fn(&ContactDefinition) -> Option<f64>| {
             let lacks = move |contact: &usize| self.scene.place(*contact).and_then(own).is_none();
             (0..self.model.contacts.len()).filter(lacks)
         };

@@ -20,7 +20,7 @@ use super::catalogue::Quantity;
 use super::{Simulation, Variable};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
-use crate::integrator::{Kept, Push, Response};
+use crate::integrator::{AppliedLoad, ConstrainedResponse, HeldStates};
 use crate::model::{Damping, LumpedModel};
 use slope::Slope;
 
@@ -114,11 +114,11 @@ impl Simulation {
         change.displacement.copy_from_slice(&self.motion.velocity);
         let slopes = self.slopes(present);
         let push = self.held_back(
-            self.drive.force.clone(),
+            self.inputs.force.clone(),
             &self.motion.displacement,
             &self.motion.velocity,
         );
-        let sliders = self.drive.slider_acceleration.clone();
+        let sliders = self.inputs.slider_acceleration.clone();
         change.velocity = self.respond(present, &slopes, &push, &sliders)?.acceleration;
         Ok(change)
     }
@@ -222,7 +222,7 @@ impl Simulation {
     }
 
     fn slopes(&self, present: &[ContactForce]) -> Vec<Slope> {
-        let contacts = present.iter().zip(&self.drive.friction);
+        let contacts = present.iter().zip(&self.inputs.friction);
         contacts.map(|(force, &friction)| Slope::of(self.model.law, friction, force)).collect()
     }
 
@@ -233,14 +233,14 @@ impl Simulation {
         slopes: &[Slope],
         force: &[f64],
         slider_acceleration: &[f64],
-    ) -> Result<Response, Error> {
+    ) -> Result<ConstrainedResponse, Error> {
         let states: Vec<ContactState> = present.iter().map(|force| force.state).collect();
         let slopes: Vec<f64> = slopes.iter().map(|slope| slope.value).collect();
-        let mut response = Response::new(present.len(), force.len());
+        let mut response = ConstrainedResponse::new(present.len(), force.len());
         self.integrator
             .respond(
-                Kept { states: &states, slopes: &slopes },
-                Push { force, slider_acceleration },
+                HeldStates { states: &states, slopes: &slopes },
+                AppliedLoad { force, slider_acceleration },
                 &mut response,
             )
             .map_err(|failure| self.failed(failure, self.time()))?;

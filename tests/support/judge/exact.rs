@@ -50,14 +50,14 @@ pub struct Change {
 
 /// The motion after `t` (s) of a step.
 #[derive(Clone)]
-struct Look {
+struct ObservationSettings {
     t: f64,
     statistics: Statistics,
     states: Vec<ContactState>,
     place: Place,
 }
 
-impl Look {
+impl ObservationSettings {
     /// `true` if nothing has happened between the two. Rounding decides whether a slip that just touches zero is an
     /// event, so counts alone do not suffice.
     fn is_same(&self, other: &Self) -> bool {
@@ -85,7 +85,12 @@ impl Run {
     /// # Errors
     /// Returns an error if the integrator finds no forces, which may happen on a way that the step itself does not
     /// take.
-    fn go(&mut self, span: &Span, from: &Look, t: f64) -> Result<Look, StepFailure> {
+    fn go(
+        &mut self,
+        span: &Span,
+        from: &ObservationSettings,
+        t: f64,
+    ) -> Result<ObservationSettings, StepFailure> {
         let rest =
             span.force(from.t) - &self.stiffness * self.total(&DVector::zeros(self.model.dofs()));
         let drive = span.drive(&rest, [from.t, t]);
@@ -99,7 +104,7 @@ impl Run {
         integrator.advance(&mut motion, &drive, t - from.t, 1)?;
         let Motion { displacement, velocity, contacts, statistics, .. } = motion;
         let place = [displacement, velocity].map(DVector::from_vec);
-        Ok(Look { t, statistics, states: contacts, place })
+        Ok(ObservationSettings { t, statistics, states: contacts, place })
     }
 
     /// Judges the last step of an integrator whose motion is exact.
@@ -113,7 +118,7 @@ impl Run {
         self.segments.clear();
         self.let_off.steps += 1;
         let span = self.span(self.time() - self.h());
-        let end = Look {
+        let end = ObservationSettings {
             t: self.h(),
             statistics: self.simulation.statistics(),
             states: self.simulation.contact_states().to_vec(),
@@ -126,7 +131,7 @@ impl Run {
             self.let_off.ended += 1;
             return;
         }
-        let from = Look { t: 0.0, statistics, states, place: self.before.clone() };
+        let from = ObservationSettings { t: 0.0, statistics, states, place: self.before.clone() };
         if !from.is_same(&end) && (!span.is_straight || self.turns(&span)) {
             // Parts of the step would have the slider on other ways.
             self.let_off.bent += 1;
@@ -153,9 +158,9 @@ impl Run {
     fn judge_way(
         &mut self,
         span: &Span,
-        mut from: Look,
-        end: &Look,
-    ) -> Result<Option<Look>, StepFailure> {
+        mut from: ObservationSettings,
+        end: &ObservationSettings,
+    ) -> Result<Option<ObservationSettings>, StepFailure> {
         let start = self.time() - self.h();
         let mut states = from.states.clone();
         for _ in 0..MOST_CHANGES {
@@ -233,7 +238,12 @@ impl Run {
     ///
     /// If a contact just touches, a way that ends at one time may miss the touch that one which ends earlier has found:
     /// the earliest touch is searched for.
-    fn bracket(&mut self, span: &Span, from: &Look, goal: &Look) -> Result<[Look; 2], StepFailure> {
+    fn bracket(
+        &mut self,
+        span: &Span,
+        from: &ObservationSettings,
+        goal: &ObservationSettings,
+    ) -> Result<[ObservationSettings; 2], StepFailure> {
         let (mut before, mut after) = (from.clone(), goal.clone());
         let near = self.near();
         while after.t - before.t > near {
@@ -257,7 +267,13 @@ impl Run {
     /// is that of the new states from the beginning, without an impact.
     /// slip or gap is nothing but rounding at first: shorter steps do not see it. A longer one does, and its motion is that of
     /// the new states from the beginning, without an impact.
-    fn turned_at_once(&mut self, span: &Span, from: &Look, before: &Look, after: &Look) -> bool {
+    fn turned_at_once(
+        &mut self,
+        span: &Span,
+        from: &ObservationSettings,
+        before: &ObservationSettings,
+        after: &ObservationSettings,
+    ) -> bool {
         let passed = [from.t, after.t - from.t];
         let (moved, allowed) = self.moved(span, before, after);
         if before.t == from.t || moved <= allowed || passed[1] * self.fastest > HIDDEN {
@@ -282,9 +298,9 @@ impl Run {
     fn found_before(
         &mut self,
         span: &Span,
-        from: &Look,
-        to: &Look,
-    ) -> Result<Option<Look>, StepFailure> {
+        from: &ObservationSettings,
+        to: &ObservationSettings,
+    ) -> Result<Option<ObservationSettings>, StepFailure> {
         let near = self.near();
         let earlier = (1..20).map(|growths| to.t - near * 8.0_f64.powi(growths));
         for t in earlier.take_while(|t| t - from.t > near) {
@@ -301,8 +317,8 @@ impl Run {
     fn states_between(
         &mut self,
         span: &Span,
-        from: &Look,
-        to: &Look,
+        from: &ObservationSettings,
+        to: &ObservationSettings,
         last: &[ContactState],
     ) -> Result<Vec<ContactState>, StepFailure> {
         let is_whole = from.t == 0.0 && to.t == self.h();
@@ -320,8 +336,8 @@ impl Run {
     fn judge_segment(
         &mut self,
         span: &Span,
-        from: &Look,
-        to: &Look,
+        from: &ObservationSettings,
+        to: &ObservationSettings,
         last: &mut Vec<ContactState>,
     ) -> Result<(), StepFailure> {
         let time = self.time() - self.h();

@@ -28,7 +28,7 @@ pub struct Grid {
 
 /// A method with a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rung {
+pub struct StepCandidate {
     /// The method.
     pub method: Method,
     /// Step of the method, s.
@@ -37,7 +37,7 @@ pub struct Rung {
     pub steps: u64,
 }
 
-impl Rung {
+impl StepCandidate {
     /// The scene with this method and step.
     #[must_use]
     pub fn scene(&self, scene: &Scene) -> Scene {
@@ -77,19 +77,19 @@ impl Grid {
     /// A method with the step that divides an interval into `steps` steps.
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
-    pub fn rung(&self, method: Method, steps: u64) -> Rung {
-        Rung { method, step: self.interval / steps as f64, steps }
+    pub fn candidate(&self, method: Method, steps: u64) -> StepCandidate {
+        StepCandidate { method, step: self.interval / steps as f64, steps }
     }
 
     #[allow(clippy::cast_precision_loss)]
-    pub(super) fn ladder(&self, scene: &Scene, critical: Option<f64>) -> Vec<Rung> {
+    pub(super) fn step_sizes(&self, scene: &Scene, critical: Option<f64>) -> Vec<StepCandidate> {
         let dofs = scene.external_forces().count() as f64;
         let cost = if scene.network().is_some() { NETWORK * dofs } else { dofs };
-        let work = |rung: &Rung| (rung.steps * self.intervals) as f64 * cost;
-        let rungs = |method| divisors().map(move |steps| self.rung(method, steps));
+        let work = |candidate: &StepCandidate| (candidate.steps * self.intervals) as f64 * cost;
+        let rungs = |method| divisors().map(move |steps| self.candidate(method, steps));
         let scheme = rungs(Method::ForwardIncrement)
-            .filter(|rung| critical.is_some_and(|critical| rung.step <= critical))
-            .take_while(|rung| work(rung) <= MOST_WORK)
+            .filter(|candidate| critical.is_some_and(|critical| candidate.step <= critical))
+            .take_while(|candidate| work(candidate) <= MOST_WORK)
             .take(SCHEME_ROWS);
         scheme.chain(rungs(Method::EventDriven).take(EVENT_DRIVEN_ROWS)).collect()
     }
@@ -111,9 +111,9 @@ mod tests {
         let scene = builtin("set1").unwrap().scene();
         let grid = Grid::of(&scene, Some(3.02e-4)).unwrap();
         assert_eq!((grid.interval, grid.intervals), (2e-4, 30_000));
-        let ladder = grid.ladder(&scene, Some(1.5e-4));
-        let steps = ladder.iter().filter(|rung| rung.method == Method::ForwardIncrement);
-        let steps: Vec<f64> = steps.map(|rung| rung.step).collect();
+        let ladder = grid.step_sizes(&scene, Some(1.5e-4));
+        let steps = ladder.iter().filter(|candidate| candidate.method == Method::ForwardIncrement);
+        let steps: Vec<f64> = steps.map(|candidate| candidate.step).collect();
         assert_eq!(steps[..4], [1e-4, 4e-5, 2e-5, 1e-5]);
     }
 

@@ -20,7 +20,7 @@ mod table;
 use crate::watch::Watch;
 pub use cycle::Cycle;
 pub(crate) use cycle::half_range;
-pub use grid::{Grid, Rung};
+pub use grid::{Grid, StepCandidate};
 pub use run::StateChange;
 pub use table::{COLUMNS, LEGEND, short};
 
@@ -67,7 +67,7 @@ pub struct Errors {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// The method and its step.
-    pub rung: Rung,
+    pub candidate: StepCandidate,
     /// The counts of the run.
     pub statistics: Statistics,
     /// Changes of state, less those of the reference.
@@ -136,10 +136,10 @@ fn converge(
     let (mut before, mut failure, mut last) = (None, None, f64::INFINITY);
     for halvings in 0.. {
         // None of the ladder is three times shorter than another.
-        let rung = grid.rung(Method::EventDriven, 3 << halvings);
-        let steps = (rung.steps * grid.intervals) as f64;
+        let candidate = grid.candidate(Method::EventDriven, 3 << halvings);
+        let steps = (candidate.steps * grid.intervals) as f64;
         let is_last = 2.0 * steps * scene.external_forces().count() as f64 > MOST_WORK;
-        match AccuracyRun::of(scene, grid, rung, watch) {
+        match AccuracyRun::of(scene, grid, candidate, watch) {
             Ok(None) => return Ok(None),
             Ok(Some(reference)) => {
                 if let Some(coarser) = before.take() {
@@ -147,7 +147,7 @@ fn converge(
                     let scale = (deviation > rest).then_some(deviation);
                     let apart = scale.map_or(0.0, |scale| reference.distance(&coarser) / scale);
                     if apart <= CONVERGED || apart > NO_GAIN * last || is_last {
-                        let step = rung.step;
+                        let step = candidate.step;
                         return Ok(Some(Converged { coarser, reference, step, scale }));
                     }
                     last = apart;
@@ -169,7 +169,7 @@ fn converge(
 }
 
 /// A scene with its reference.
-pub struct Study {
+pub struct ConvergenceStudy {
     scene: Scene,
     grid: Grid,
     critical: Result<CriticalStep, Error>,
@@ -181,7 +181,7 @@ pub struct Study {
     floor: Errors,
 }
 
-impl Study {
+impl ConvergenceStudy {
     /// Makes the reference of a scene: `None` if the watch ended it. The cycle is that of degree of freedom
     /// `dof`, or else of the one that moves most.
     ///
@@ -308,17 +308,17 @@ impl Study {
     /// The methods and steps that are worth looking at, longest steps first; none of the paper's scheme
     /// above the critical step, or where none is known.
     #[must_use]
-    pub fn ladder(&self) -> Vec<Rung> {
+    pub fn step_sizes(&self) -> Vec<StepCandidate> {
         let critical = self.critical.as_ref().ok().map(|critical| critical.step);
-        self.grid.ladder(&self.scene, critical)
+        self.grid.step_sizes(&self.scene, critical)
     }
 
     /// Runs one method with one step and returns its result; `None` if the watch ended it.
     ///
     /// # Errors
     /// Returns an error if the run fails: a step above the critical one, contact forces that do not converge.
-    pub fn row(&self, rung: Rung, watch: Watch<'_>) -> Result<Option<Row>, Error> {
-        let Some(run) = AccuracyRun::of(&self.scene, self.grid, rung, watch)? else {
+    pub fn row(&self, candidate: StepCandidate, watch: Watch<'_>) -> Result<Option<Row>, Error> {
+        let Some(run) = AccuracyRun::of(&self.scene, self.grid, candidate, watch)? else {
             return Ok(None);
         };
         let raised = |error: Option<f64>, floor: Option<f64>| {
@@ -336,7 +336,7 @@ impl Study {
             largest_event_time: raised(errors.largest_event_time, floor.largest_event_time),
         };
         let events_more = more(&run) - more(&self.reference);
-        Ok(Some(Row { rung, statistics: run.statistics, events_more, errors }))
+        Ok(Some(Row { candidate, statistics: run.statistics, events_more, errors }))
     }
 
     /// The differences between a run and the reference.
@@ -365,7 +365,8 @@ impl Study {
             row.errors.rms.filter(|rms| *rms > ABOVE_FLOOR * floor && !row.is_out_of_phase())
         };
         let (longer, shorter) = (usable(before)?, usable(row)?);
-        let is_next = before.rung.method == row.rung.method && before.rung.step > row.rung.step;
-        is_next.then(|| (longer / shorter).ln() / (before.rung.step / row.rung.step).ln())
+        let is_next = before.candidate.method == row.candidate.method
+            && before.candidate.step > row.candidate.step;
+        is_next.then(|| (longer / shorter).ln() / (before.candidate.step / row.candidate.step).ln())
     }
 }

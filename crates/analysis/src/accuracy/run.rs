@@ -1,6 +1,6 @@
 //! One run over a grid: all displacements, and the changes of contact states with their times.
 
-use super::grid::{Grid, Rung};
+use super::grid::{Grid, StepCandidate};
 use crate::statistics::{place_of_largest, variance};
 use crate::watch::Watch;
 use amontons::Error;
@@ -42,10 +42,10 @@ impl AccuracyRun {
     pub(super) fn of(
         scene: &Scene,
         grid: Grid,
-        rung: Rung,
+        candidate: StepCandidate,
         watch: Watch<'_>,
     ) -> Result<Option<Self>, Error> {
-        let mut simulation = Simulation::new(rung.scene(scene), 0.0)?;
+        let mut simulation = Simulation::new(candidate.scene(scene), 0.0)?;
         let mut changes = Vec::new();
         let mut displacements = simulation.displacement().to_vec();
         let dofs = displacements.len();
@@ -53,11 +53,11 @@ impl AccuracyRun {
             if watch.ends_after(interval as f64 / grid.intervals as f64) {
                 return Ok(None);
             }
-            let first = interval * rung.steps;
-            let parts = if rung.method == Method::EventDriven { PARTS } else { 1 };
-            let (from, to) = (first, first + rung.steps);
-            let steps = Units { origin: 0.0, length: rung.step, from, to, parts };
-            if rung.method == Method::ForwardIncrement && rung.steps <= WALKED {
+            let first = interval * candidate.steps;
+            let parts = if candidate.method == Method::EventDriven { PARTS } else { 1 };
+            let (from, to) = (first, first + candidate.steps);
+            let steps = Units { origin: 0.0, length: candidate.step, from, to, parts };
+            if candidate.method == Method::ForwardIncrement && candidate.steps <= WALKED {
                 steps.walk(&mut simulation, &mut changes)?;
             } else {
                 let before = simulation.save();

@@ -1,6 +1,6 @@
 //! The table of a study in words, without times: for the command line, and for the page in an FMU.
 
-use super::{Errors, Row, Study};
+use super::{ConvergenceStudy, Errors, Row};
 use amontons::decimal::to_significant;
 use amontons::integrator::Statistics;
 use amontons::scene::Scene;
@@ -40,7 +40,7 @@ fn cell(error: Option<f64>, floor: Option<f64>) -> String {
     }
 }
 
-impl Study {
+impl ConvergenceStudy {
     /// One line on the subject of the table.
     #[must_use]
     pub fn title(&self) -> String {
@@ -90,11 +90,11 @@ impl Study {
     /// The cells of a row under [`COLUMNS`]; `order` is that from the row before.
     #[must_use]
     pub fn cells(&self, row: &Row, order: Option<f64>) -> [String; COLUMNS.len()] {
-        let Row { rung, statistics, events_more, errors } = row;
+        let Row { candidate, statistics, events_more, errors } = row;
         let floor = self.floor;
         [
-            rung.method.to_string(),
-            short(rung.step),
+            candidate.method.to_string(),
+            short(candidate.step),
             statistics.steps.to_string(),
             match events_more {
                 0 => statistics.state_changes().to_string(),

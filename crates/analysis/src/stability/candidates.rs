@@ -5,7 +5,7 @@ use super::growth::growth;
 use super::linearised::Linearised;
 use super::locus::{Crossing, Locus, growing, locus};
 use super::parallel;
-use super::reach::{Reach, reach};
+use super::state_energy::{StateEnergy, reach};
 use super::states::StateClasses;
 use amontons::Error;
 use amontons::contact::ContactState;
@@ -49,7 +49,7 @@ pub struct Candidate {
     pub at_end: [f64; 2],
     /// The least that a motion has had before the contacts were in this state, at the end of the range where that is
     /// less; `None` where no motion can reach it.
-    pub reach: Option<Reach>,
+    pub reach: Option<StateEnergy>,
 }
 
 /// The one state in which a model can be at rest in its own frame: each contact slides by the sign of
@@ -191,12 +191,13 @@ fn least_reach(
     at: &dyn Fn(f64) -> Linearised,
     range: [f64; 2],
     members: &[&Vec<ContactState>],
-) -> Result<(Vec<ContactState>, Option<Reach>), Error> {
-    let mut least: (&Vec<ContactState>, Option<Reach>) = (members[0], None);
+) -> Result<(Vec<ContactState>, Option<StateEnergy>), Error> {
+    let mut least: (&Vec<ContactState>, Option<StateEnergy>) = (members[0], None);
     for here in range.map(at) {
         for states in members {
             let found = reach(&here, states)?;
-            let energy = |reach: Option<Reach>| reach.map_or(f64::INFINITY, |reach| reach.energy);
+            let energy =
+                |reach: Option<StateEnergy>| reach.map_or(f64::INFINITY, |reach| reach.energy);
             // States that symmetry makes equal differ by rounding.
             if energy(found) < energy(least.1) * (1.0 - 1e-9) {
                 least = (states, found);

@@ -2,7 +2,7 @@
 
 use super::linearised::Linearised;
 use super::parallel;
-use super::reach::reach;
+use super::state_energy::reach;
 use super::states::{MAX_CONTACTS, StateClasses};
 use amontons::Error;
 use amontons::contact::ContactState;

@@ -5,7 +5,7 @@
 //! | `parallel` | work shared among threads, its results in order |
 //! | `modes` | eigenvalues and shapes of one contact state |
 //! | `states` | the eigenvalues of all contact states |
-//! | `departure` | how large a mode may become before a contact leaves sliding |
+//! | `linearity_limit` | how large a mode may become before a contact leaves sliding |
 //! | `locus` | modes over a parameter: where they merge, where they begin to grow |
 //! | `linearised` | a scene's model as eigenvalues need it |
 //! | `growth` | ranges of a parameter in which modes grow |
@@ -14,18 +14,18 @@
 //! | `map` | the verdict over two parameters |
 
 pub mod candidates;
-mod departure;
 mod growth;
 mod linearised;
+mod linearity_limit;
 pub mod locus;
 pub mod map;
 mod modes;
 pub(crate) mod parallel;
-mod reach;
+mod state_energy;
 mod states;
 
-pub use departure::{Departure, departure};
 pub use linearised::Linearised;
+pub use linearity_limit::{LinearityLimit, linearity_limit};
 pub use modes::{Mode, Modes, modes};
-pub use reach::{Reach, reach};
+pub use state_energy::{StateEnergy, reach};
 pub use states::{MAX_CONTACTS, StateClasses};

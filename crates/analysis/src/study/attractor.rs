@@ -1,6 +1,6 @@
 //! Comparison of endings: this module tells which endings are the same motion.
 
-use super::ending::{Ending, Kind};
+use super::long_term::{Kind, LongTermMotion};
 
 /// Amplitudes of one cycle differ by less than this, relative: ten times what a settled one may still change.
 const SAME_AMPLITUDE: f64 = 2e-2;
@@ -16,10 +16,10 @@ const SAME_FREQUENCY: f64 = 1e-3;
 /// Cycles that are each other's mirror image, or the same wave running the other way round a ring, agree in all of this
 /// and count as one.
 #[must_use]
-pub fn is_same(a: &Ending, b: &Ending) -> bool {
+pub fn is_same(a: &LongTermMotion, b: &LongTermMotion) -> bool {
     let near = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.abs().max(b.abs());
     // If two lines are equally strong, either may be the first.
-    let has = |ending: &Ending, other: &Ending| {
+    let has = |ending: &LongTermMotion, other: &LongTermMotion| {
         other.frequency.is_none_or(|frequency| {
             ending.lines.iter().any(|[line, _]| near(*line, frequency, SAME_FREQUENCY))
         })
@@ -49,11 +49,11 @@ pub fn is_same(a: &Ending, b: &Ending) -> bool {
 /// The motions that endings are: one ending of each, rest first, then cycles by amplitude; and for each ending the
 /// place of its motion among them, `None` where it has none.
 pub fn attractors<'a>(
-    endings: impl IntoIterator<Item = Option<&'a Ending>>,
-) -> (Vec<Ending>, Vec<Option<usize>>) {
+    endings: impl IntoIterator<Item = Option<&'a LongTermMotion>>,
+) -> (Vec<LongTermMotion>, Vec<Option<usize>>) {
     // A linear motion that nothing damps is one motion at every size.
-    let is_motion = |ending: &&Ending| ending.kind != Kind::Unsettled && ending.is_known();
-    let endings: Vec<Option<&Ending>> =
+    let is_motion = |ending: &&LongTermMotion| ending.kind != Kind::Unsettled && ending.is_known();
+    let endings: Vec<Option<&LongTermMotion>> =
         endings.into_iter().map(|ending| ending.filter(is_motion)).collect();
     // Places of the endings of each motion. What is the same as endings of two motions makes them one, so that the
     // order of the endings does not matter.
@@ -67,11 +67,12 @@ pub fn attractors<'a>(
         one.push(place);
         motions.push(one);
     }
-    let mut found: Vec<(&Ending, Vec<usize>)> = motions
+    let mut found: Vec<(&LongTermMotion, Vec<usize>)> = motions
         .into_iter()
         .filter_map(|places| Some((endings[*places.iter().min()?]?, places)))
         .collect();
-    let size = |ending: &Ending| if ending.kind.is_cycle() { ending.amplitude } else { -1.0 };
+    let size =
+        |ending: &LongTermMotion| if ending.kind.is_cycle() { ending.amplitude } else { -1.0 };
     found.sort_by(|(a, _), (b, _)| size(a).total_cmp(&size(b)));
     let mut ranks = vec![None; endings.len()];
     for (rank, (_, places)) in found.iter().enumerate() {
@@ -85,7 +86,7 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    fn ending(kind: Kind, amplitude: f64, lines: &[[f64; 2]]) -> Ending {
+    fn ending(kind: Kind, amplitude: f64, lines: &[[f64; 2]]) -> LongTermMotion {
         let ending = json!({
             "kind": kind,
             "amplitude": amplitude,

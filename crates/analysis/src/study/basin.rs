@@ -10,9 +10,9 @@
 
 use super::attractor::attractors;
 use super::blocks::trace;
-use super::ending::{Ending, Kind};
 use super::initial::{initial_value, starting_from};
-use super::look::Look;
+use super::long_term::{Kind, LongTermMotion};
+use super::observation::ObservationSettings;
 use super::settling::Settling;
 use super::work::Work;
 use super::{Journal, Watch};
@@ -91,7 +91,7 @@ pub struct Cell {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Basin {
     /// One ending of each attractor: rest first, then cycles by amplitude.
-    pub attractors: Vec<Ending>,
+    pub attractors: Vec<LongTermMotion>,
     /// A row for each value of y, from the first on; in it a cell for each value of x.
     pub rows: Vec<Vec<Cell>>,
 }
@@ -102,13 +102,13 @@ enum PointOutcome {
     /// The point has the habits of this one of the attractors of the first points.
     Early(usize),
     /// The point was followed until it was settled, or for as long as may be; with its habits.
-    Settled(Box<Ending>, Vec<[f64; 2]>),
+    Settled(Box<LongTermMotion>, Vec<[f64; 2]>),
     Failed(String),
 }
 
 /// An attractor of the first points.
-struct Known {
-    ending: Ending,
+struct KnownAttractor {
+    ending: LongTermMotion,
     /// The smallest and the largest size of each displacement and velocity.
     habits: Vec<[f64; 2]>,
 }
@@ -117,7 +117,7 @@ struct Known {
 #[derive(Default)]
 struct Knowledge {
     /// The attractors that the first points end in.
-    attractors: Vec<Known>,
+    attractors: Vec<KnownAttractor>,
     /// The states of all contacts at rest, where they end there and it is stable.
     resting: Option<Vec<ContactState>>,
 }
@@ -148,7 +148,7 @@ pub fn check_points([x, y]: [&Axis; 2]) -> Result<(), Error> {
 pub fn basin(
     scene: &Scene,
     [x, y]: [&Axis; 2],
-    look: &Look,
+    observation: &ObservationSettings,
     coverage: Coverage,
     journal: &Journal,
     watch: Watch<'_>,
@@ -161,7 +161,7 @@ pub fn basin(
             names[0]
         )));
     }
-    let plane = Plane { scene, names, axes: [x, y], look, journal, watch };
+    let plane = Plane { scene, names, axes: [x, y], observation, journal, watch };
     let mut found: Vec<Option<PointOutcome>> = vec![None; x.values.len() * y.values.len()];
     let mut knowledge = Knowledge::default();
     let mut part = 0.0;
@@ -206,15 +206,15 @@ struct Plane<'a> {
     scene: &'a Scene,
     names: [String; 2],
     axes: [&'a Axis; 2],
-    look: &'a Look,
+    observation: &'a ObservationSettings,
     journal: &'a Journal,
     watch: Watch<'a>,
 }
 
 /// A point on its way.
-struct Traveller {
+struct Trajectory {
     settling: Settling,
-    meter: Meter,
+    meter: VariationMeter,
     changes: u64,
     /// Sizes over the last short windows, and over how many of them it kept to which habits.
     sizes: VecDeque<Vec<f64>>,
@@ -313,11 +313,11 @@ impl Plane<'_> {
     ) -> Result<Option<PointOutcome>, Error> {
         let scene = starting_from(self.scene, &[(&self.names[0], x), (&self.names[1], y)])?;
         let mut simulation = Simulation::new(scene, 0.0)?;
-        let mut traveller = Traveller::new(Settling::new(&simulation, self.look)?);
+        let mut trajectory = Trajectory::new(Settling::new(&simulation, self.observation)?);
         #[allow(clippy::cast_possible_truncation)]
-        let rows = self.look.rows() as usize / SHORT_WINDOWS as usize;
+        let rows = self.observation.rows() as usize / SHORT_WINDOWS as usize;
         #[allow(clippy::cast_precision_loss)]
-        let short = rows as f64 * self.look.interval;
+        let short = rows as f64 * self.observation.interval;
         let weights = Window::Hann.weights(rows);
         loop {
             let mut found = None;
@@ -325,8 +325,8 @@ impl Plane<'_> {
                 if row % 256 == 0 && self.watch.is_over() {
                     return Ok(None);
                 }
-                simulation.advance_to(traveller.settling.next_time())?;
-                found = traveller.note(&mut simulation, *weight, &|| self.watch.is_over())?;
+                simulation.advance_to(trajectory.settling.next_time())?;
+                found = trajectory.note(&mut simulation, *weight, &|| self.watch.is_over())?;
                 if found.is_some() {
                     break;
                 }
@@ -334,20 +334,20 @@ impl Plane<'_> {
             if self.watch.is_over() {
                 return Ok(None);
             }
-            if let Some(found) = found.or_else(|| traveller.judge(&simulation, knowledge)) {
-                told(1.0 - (simulation.time() - short) / self.look.longest);
+            if let Some(found) = found.or_else(|| trajectory.judge(&simulation, knowledge)) {
+                told(1.0 - (simulation.time() - short) / self.observation.longest);
                 return Ok(Some(found));
             }
-            told(short / self.look.longest);
+            told(short / self.observation.longest);
         }
     }
 }
 
-impl Traveller {
+impl Trajectory {
     fn new(settling: Settling) -> Self {
         Self {
             settling,
-            meter: Meter::default(),
+            meter: VariationMeter::default(),
             changes: 0,
             sizes: VecDeque::new(),
             kept: (None, 0),
@@ -401,7 +401,7 @@ impl Traveller {
     }
 }
 
-impl Known {
+impl KnownAttractor {
     /// `true` if these are the sizes of a short window of this attractor.
     fn has(&self, sizes: &[f64]) -> bool {
         if !self.ending.kind.is_cycle() {
@@ -421,12 +421,12 @@ impl Known {
 /// Variation of displacements and velocities: weighted sums over a short window. Weights that begin and end at zero
 /// make it nearly independent of the phase at which the window began.
 #[derive(Default)]
-struct Meter {
+struct VariationMeter {
     weight: f64,
     sums: Vec<[f64; 2]>,
 }
 
-impl Meter {
+impl VariationMeter {
     fn note(&mut self, displacement: &[f64], velocity: &[f64], weight: f64) {
         self.sums.resize(displacement.len() + velocity.len(), [0.0; 2]);
         self.weight += weight;
@@ -469,15 +469,15 @@ impl Knowledge {
 }
 
 /// The attractors that points have ended in, with the habits of all that ended in each.
-fn what_is_known(found: &[&PointOutcome]) -> Vec<Known> {
+fn what_is_known(found: &[&PointOutcome]) -> Vec<KnownAttractor> {
     let settled = found.iter().filter_map(|found| match found {
         PointOutcome::Settled(ending, habits) => Some((&**ending, habits)),
         _ => None,
     });
-    let settled: Vec<(&Ending, &Vec<[f64; 2]>)> = settled.collect();
+    let settled: Vec<(&LongTermMotion, &Vec<[f64; 2]>)> = settled.collect();
     let (endings, places) = attractors(settled.iter().map(|(ending, _)| Some(*ending)));
-    let mut known: Vec<Known> =
-        endings.into_iter().map(|ending| Known { ending, habits: Vec::new() }).collect();
+    let mut known: Vec<KnownAttractor> =
+        endings.into_iter().map(|ending| KnownAttractor { ending, habits: Vec::new() }).collect();
     for ((_, habits), place) in settled.iter().zip(places) {
         let Some(place) = place else { continue };
         let own = &mut known[place].habits;
@@ -508,7 +508,10 @@ fn spread(count: usize) -> Vec<usize> {
 }
 
 /// All attractors, and the cell of each point that was run.
-fn cells(known: &[Known], found: &[Option<PointOutcome>]) -> (Vec<Ending>, Vec<Option<Cell>>) {
+fn cells(
+    known: &[KnownAttractor],
+    found: &[Option<PointOutcome>],
+) -> (Vec<LongTermMotion>, Vec<Option<Cell>>) {
     let first = known.iter().map(|known| Some(&known.ending));
     let settled = found.iter().map(|found| match found {
         Some(PointOutcome::Settled(ending, _)) => Some(&**ending),

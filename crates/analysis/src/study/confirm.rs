@@ -2,9 +2,9 @@
 //! takes the candidate's contact state and stays.
 
 use super::Watch;
-use super::ending::{Ending, Kind};
-use super::look::{Look, Wish};
-use super::settling::settle;
+use super::long_term::{Kind, LongTermMotion};
+use super::observation::{ObservationRequest, ObservationSettings};
+use super::settling::run_to_steady_state;
 use super::visit::{Visited, visited};
 use crate::stability::candidates::Candidate;
 use crate::stability::parallel::collect;
@@ -30,7 +30,7 @@ pub struct Attempt {
     /// The largest velocity that it gave a degree of freedom, m/s.
     pub push: f64,
     /// The ending of the motion, or the reason of its failure.
-    pub ending: Result<Ending, String>,
+    pub ending: Result<LongTermMotion, String>,
     /// The states that contacts took together in that motion; `None` for a motion that rests or has not settled.
     pub visited: Option<Visited>,
 }
@@ -115,11 +115,12 @@ fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Optio
         let friction = from + (to - from) * place;
         let mut scene = Scene { friction_coefficient: friction, ..scene.clone() };
         scene.rest();
-        let look = Look::paced(&mut scene, &Wish::default())?;
-        (found.longest, found.of) = (found.longest.max(look.longest), look.of.clone());
+        let observation = ObservationSettings::paced(&mut scene, &ObservationRequest::default())?;
+        (found.longest, found.of) =
+            (found.longest.max(observation.longest), observation.of.clone());
         let Some(along) = direction(&scene, candidate)? else { continue };
         for push in pushes(reach.push, &scene) {
-            let attempt = match run(&scene, &along, push, &look, watch) {
+            let attempt = match run(&scene, &along, push, &observation, watch) {
                 Ok(None) => return Ok(None),
                 Ok(Some((ending, visited))) => {
                     Attempt { friction, push, ending: Ok(ending), visited }
@@ -194,17 +195,20 @@ fn run(
     scene: &Scene,
     along: &[f64],
     push: f64,
-    look: &Look,
+    observation: &ObservationSettings,
     watch: Watch<'_>,
-) -> Result<Option<(Ending, Option<Visited>)>, Error> {
+) -> Result<Option<(LongTermMotion, Option<Visited>)>, Error> {
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
     for (dof, part) in along.iter().enumerate().filter(|(_, part)| **part != 0.0) {
         simulation.push(dof, push * part);
     }
     let is_over = || watch.is_over();
-    let Some(ending) = settle(&mut simulation, look, &is_over)? else { return Ok(None) };
-    let goes_on = ending.kind.is_cycle();
-    let visited = goes_on.then(|| visited(&simulation, look, ending.period)).transpose()?;
+    let Some(ending) = run_to_steady_state(&mut simulation, observation, &is_over)? else {
+        return Ok(None);
+    };
+    let can_continue = ending.kind.is_cycle();
+    let visited =
+        can_continue.then(|| visited(&simulation, observation, ending.period)).transpose()?;
     Ok(Some((ending, visited)))
 }
 

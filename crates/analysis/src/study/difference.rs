@@ -15,7 +15,7 @@
 //! Two motions with D above 0.05 are two, or above 0.005 if both are periodic to 1e-6. D is 10 if one of two motions
 //! rests or grows without bound, and 0 if both do.
 
-use super::ending::{Ending, Kind};
+use super::long_term::{Kind, LongTermMotion};
 use super::recurrence::CLOSED;
 
 /// Extents that differ by more than this part, from one value to the next or between the ways, may be of different
@@ -38,33 +38,34 @@ const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
 const SEEN: f64 = 1e-2;
 
 /// `true` if two motions are known to be of different kinds.
-pub(super) fn have_other_kinds(a: &Ending, b: &Ending) -> bool {
-    let is_open = |ending: &Ending| matches!(ending.kind, Kind::Undecided | Kind::Unsettled);
+pub(super) fn have_other_kinds(a: &LongTermMotion, b: &LongTermMotion) -> bool {
+    let is_open =
+        |ending: &LongTermMotion| matches!(ending.kind, Kind::Undecided | Kind::Unsettled);
     a.kind != b.kind && !is_open(a) && !is_open(b)
 }
 
 /// `true` if a motion is known so exactly that a small difference tells it from another one.
-pub(super) fn is_exact(ending: &Ending) -> bool {
+pub(super) fn is_exact(ending: &LongTermMotion) -> bool {
     ending.kind == Kind::Periodic && ending.closure.is_some_and(|closure| closure <= CLOSED)
 }
 
 /// `true` if these are two motions, compared as closely as they are known. Both are at the same value of a parameter,
 /// or at values that hardly differ.
-pub(super) fn are_two(a: &Ending, b: &Ending) -> bool {
+pub(super) fn are_two(a: &LongTermMotion, b: &LongTermMotion) -> bool {
     distance(a, b) > if is_exact(a) && is_exact(b) { SAME_EXTENT } else { OTHER_EXTENT }
 }
 
 /// Distance between two motions: 0 for the same motion; the largest possible where one rests or grows without bound
 /// and the other does not.
-pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
+pub(super) fn distance(a: &LongTermMotion, b: &LongTermMotion) -> f64 {
     const FAR: f64 = 10.0;
-    let is_unbounded = |ending: &Ending| ending.kind == Kind::Unbounded;
+    let is_unbounded = |ending: &LongTermMotion| ending.kind == Kind::Unbounded;
     // Nothing is known of two motions that have not settled, and so no jump between them.
     if [a, b].iter().all(|ending| ending.kind == Kind::Unsettled && !ending.is_known()) {
         return 0.0;
     }
     // An undamped motion in which no contact changes its state has any size, that of rest among them.
-    let is_neutral = |ending: &Ending| ending.kind.is_cycle() && ending.linear;
+    let is_neutral = |ending: &LongTermMotion| ending.kind.is_cycle() && ending.linear;
     if (a.rests() || is_neutral(a)) && (b.rests() || is_neutral(b)) {
         return 0.0;
     }
@@ -90,13 +91,14 @@ pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
         _ => extents.max(log(a.size, b.size)),
     };
     // If two lines are equally strong, either may be the first.
-    let pitch = |a: &Ending, b: &Ending| match (&a.lines[..], &b.lines[..]) {
+    let pitch = |a: &LongTermMotion, b: &LongTermMotion| match (&a.lines[..], &b.lines[..]) {
         ([[a, _], ..], [_, ..]) => b.lines.iter().map(|line| log(*a, line[0])).fold(1.0, f64::min),
         ([], []) => 0.0,
         _ => 1.0,
     };
     // The lines of a motion that may have no period wander from window to window.
-    let wanders = |ending: &Ending| matches!(ending.kind, Kind::Undecided | Kind::Irregular);
+    let wanders =
+        |ending: &LongTermMotion| matches!(ending.kind, Kind::Undecided | Kind::Irregular);
     let is_open = [a, b].iter().any(|ending| ending.kind == Kind::Undecided);
     let pitch =
         if is_open && wanders(a) && wanders(b) { 0.0 } else { pitch(a, b).max(pitch(b, a)) };
@@ -110,8 +112,8 @@ pub(super) mod tests {
     use super::*;
 
     /// A motion of an undecided kind, of one displacement.
-    pub(in crate::study) fn undecided(size: f64, scatter: f64, line: f64) -> Ending {
-        Ending {
+    pub(in crate::study) fn undecided(size: f64, scatter: f64, line: f64) -> LongTermMotion {
+        LongTermMotion {
             kind: Kind::Undecided,
             amplitude: size,
             frequency: Some(line),
@@ -136,7 +138,7 @@ pub(super) mod tests {
 
     #[test]
     fn periodic_motions_are_told_apart_as_closely_as_they_are_known() {
-        let periodic = |extent, closure| Ending {
+        let periodic = |extent, closure| LongTermMotion {
             kind: Kind::Periodic,
             closure: Some(closure),
             ..undecided(extent, 0.0, 168.0)
@@ -150,7 +152,7 @@ pub(super) mod tests {
 
     #[test]
     fn undecided_motions_are_two_only_where_they_differ_beyond_their_scatter() {
-        let differ = |a: &Ending, b: &Ending| distance(a, b) > OTHER_EXTENT;
+        let differ = |a: &LongTermMotion, b: &LongTermMotion| distance(a, b) > OTHER_EXTENT;
         let one = undecided(1e-4, 1e-3, 168.0);
         // The strongest of its lines is another one in each window.
         assert!(!differ(&one, &undecided(1.01e-4, 1e-3, 219.0)));
@@ -158,8 +160,11 @@ pub(super) mod tests {
         assert!(!differ(&one, &undecided(1.2e-4, 0.1, 168.0)));
         assert!(differ(&undecided(1e-4, 0.1, 168.0), &undecided(2e-4, 0.1, 168.0)));
         // A cycle has lines that stay.
-        let cycle = Ending { kind: Kind::Periodic, ..one };
-        assert!(differ(&cycle, &Ending { kind: Kind::Periodic, ..undecided(1e-4, 0.0, 219.0) }));
+        let cycle = LongTermMotion { kind: Kind::Periodic, ..one };
+        assert!(differ(
+            &cycle,
+            &LongTermMotion { kind: Kind::Periodic, ..undecided(1e-4, 0.0, 219.0) }
+        ));
         assert!(differ(&cycle, &undecided(1e-4, 1e-3, 219.0)));
     }
 }

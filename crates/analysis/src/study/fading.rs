@@ -24,7 +24,7 @@ const STAYS: f64 = 3e-3;
 const LASTS: f64 = 0.5;
 
 /// A periodic motion of a simulation as its windows have shown it.
-pub(super) struct Shown<'a> {
+pub(super) struct ObservedCycle<'a> {
     /// Rows are so far apart, s.
     pub interval: f64,
     /// Length of a window, time since the motion has been as it is, and longest time that it may take, s.
@@ -40,7 +40,7 @@ pub(super) struct Shown<'a> {
 
 /// The contact states of a motion in the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Lasting {
+pub(super) struct LastingStates {
     /// The part of the time for which contacts are in each state.
     pub shares: [f64; 4],
     /// `true` for each state that they take no more, though they still took it in the windows shown.
@@ -49,11 +49,11 @@ pub(super) struct Lasting {
 
 /// Long-term behaviour of the share of time that a contact state takes.
 #[derive(Clone, Copy, PartialEq)]
-enum Fate {
+enum LongTermShare {
     Stays,
     Fades,
     /// Later times must show it.
-    Open,
+    OpenQuestion,
 }
 
 /// The contact states that last, if shares of them still fall: those whose share does not tend to zero as the time
@@ -64,10 +64,10 @@ enum Fate {
 /// Returns an error if a step fails.
 pub(super) fn lasting(
     simulation: &Simulation,
-    shown: &Shown<'_>,
+    shown: &ObservedCycle<'_>,
     is_over: &dyn Fn() -> bool,
-) -> Result<Option<Lasting>, Error> {
-    let Shown { window, mut elapsed, longest, shares, .. } = *shown;
+) -> Result<Option<LastingStates>, Error> {
+    let ObservedCycle { window, mut elapsed, longest, shares, .. } = *shown;
     let mut motion = Simulation::resume(simulation.save())?;
     let Some(next) = shown.after(&mut motion, window, is_over)? else { return Ok(None) };
     if (0..4).all(|i| next[i] >= (1.0 - STAYS) * shares[i]) {
@@ -82,33 +82,33 @@ pub(super) fn lasting(
         let Some(again) = shown.after(&mut motion, elapsed, is_over)? else { return Ok(None) };
         elapsed *= 2.0;
         three = [three[1], three[2], again];
-        let fates = [0, 1, 2, 3].map(|i| fate(three.map(|shares| shares[i])));
-        if !fates.contains(&Fate::Open) || 2.0 * elapsed > longest {
-            let fading = [0, 1, 2, 3].map(|i| fates[i] == Fate::Fades && shares[i] > 0.0);
+        let fates = [0, 1, 2, 3].map(|i| long_term_share(three.map(|shares| shares[i])));
+        if !fates.contains(&LongTermShare::OpenQuestion) || 2.0 * elapsed > longest {
+            let fading = [0, 1, 2, 3].map(|i| fates[i] == LongTermShare::Fades && shares[i] > 0.0);
             let mut shares = again;
-            (0..4).filter(|i| fates[*i] == Fate::Fades).for_each(|i| shares[i] = 0.0);
+            (0..4).filter(|i| fates[*i] == LongTermShare::Fades).for_each(|i| shares[i] = 0.0);
             let all: f64 = shares.iter().sum();
-            return Ok(Some(Lasting { shares: shares.map(|share| share / all), fading }));
+            return Ok(Some(LastingStates { shares: shares.map(|share| share / all), fading }));
         }
     }
 }
 
 /// Behaviour of a share that had these values at three times. Each time is twice as long after the beginning as the
 /// one before.
-fn fate(three: [f64; 3]) -> Fate {
+fn long_term_share(three: [f64; 3]) -> LongTermShare {
     let [_, before, last] = three;
     if last == 0.0 || tends_to_zero(three) {
-        Fate::Fades
+        LongTermShare::Fades
     } else if last >= (1.0 - STAYS) * before
         || limit(three).is_some_and(|limit| limit >= LASTS * last)
     {
-        Fate::Stays
+        LongTermShare::Stays
     } else {
-        Fate::Open
+        LongTermShare::OpenQuestion
     }
 }
 
-impl Shown<'_> {
+impl ObservedCycle<'_> {
     /// The shares of the contact states over a period that begins at least so long (s) later, whole periods; `None`
     /// if no one waits for them any more.
     fn after(

@@ -6,8 +6,8 @@
 
 use super::basis::{Basis, Members, scheme_step};
 use super::linear::{GrowthRate, MORE_THAN_ROUNDING, growth};
-use super::look::Look;
-use super::recurrence::{begin_fast, way_of_a_step};
+use super::observation::ObservationSettings;
+use super::recurrence::{begin_fast, length_of_a_step};
 use crate::stability::Linearised;
 use amontons::Error;
 use amontons::simulation::Simulation;
@@ -37,7 +37,7 @@ struct Neutral {
 /// Returns an error if a step fails.
 pub(super) fn is_one_of_many(
     simulation: &Simulation,
-    look: &Look,
+    observation: &ObservationSettings,
     frequency: Option<f64>,
     is_over: &dyn Fn() -> bool,
 ) -> Result<bool, Error> {
@@ -46,18 +46,19 @@ pub(super) fn is_one_of_many(
     }
     let Some(frequency) = frequency else { return Ok(true) };
     let mut motion = Simulation::resume(simulation.save())?;
-    let fastest = begin_fast(&mut motion, look.interval, frequency, look.rows())?.velocity;
+    let fastest =
+        begin_fast(&mut motion, observation.interval, frequency, observation.rows())?.velocity;
     // The paper's scheme sees a change of state at the end of a step only.
-    let part = LARGER.max(way_of_a_step(simulation, frequency));
+    let part = LARGER.max(length_of_a_step(simulation, frequency));
     // No contact is at its limit then, so it is the mode that brings it there.
     motion.scale_motion(1.0 - 2.0 * part);
-    if changes_states(&motion, look, is_over)? {
+    if changes_states(&motion, observation, is_over)? {
         return Ok(false);
     }
     let Some(modes) = neutral_modes(simulation) else { return Ok(true) };
     let push = 4.0 * part * fastest;
     for mode in &modes {
-        if !is_limited(&motion, mode, push, look, is_over)? {
+        if !is_limited(&motion, mode, push, observation, is_over)? {
             return Ok(true);
         }
     }
@@ -70,7 +71,7 @@ fn is_limited(
     smaller: &Simulation,
     mode: &Neutral,
     push: f64,
-    look: &Look,
+    observation: &ObservationSettings,
     is_over: &dyn Fn() -> bool,
 ) -> Result<bool, Error> {
     for quarter in [0.0, 0.25] {
@@ -80,7 +81,7 @@ fn is_limited(
             for (dof, part) in mode.shape.iter().enumerate() {
                 motion.push(dof, push * part);
             }
-            if changes_states(&motion, look, is_over)? {
+            if changes_states(&motion, observation, is_over)? {
                 return Ok(true);
             }
         }
@@ -91,17 +92,17 @@ fn is_limited(
 /// `true` if a contact changes its state within a window.
 fn changes_states(
     motion: &Simulation,
-    look: &Look,
+    observation: &ObservationSettings,
     is_over: &dyn Fn() -> bool,
 ) -> Result<bool, Error> {
     let mut motion = Simulation::resume(motion.save())?;
     let (start, before) = (motion.time(), motion.statistics().state_changes());
-    for row in 1..=look.rows() {
+    for row in 1..=observation.rows() {
         if row.is_multiple_of(256) && is_over() {
             break;
         }
         #[allow(clippy::cast_precision_loss)]
-        motion.advance_to(start + row as f64 * look.interval)?;
+        motion.advance_to(start + row as f64 * observation.interval)?;
         if motion.statistics().state_changes() > before {
             return Ok(true);
         }

@@ -1,6 +1,6 @@
 //! Runs from other initial values.
 
-use super::look::{Look, output};
+use super::observation::{ObservationSettings, output};
 use crate::assign::assign;
 use amontons::Error;
 use amontons::scene::{Scene, nearest};
@@ -63,19 +63,19 @@ pub(super) fn starting_from(scene: &Scene, values: &[(&str, f64)]) -> Result<Sce
 pub fn history(
     scene: &Scene,
     (name, value): (&str, f64),
-    look: &Look,
+    observation: &ObservationSettings,
     duration: f64,
     is_over: &dyn Fn() -> bool,
 ) -> Result<Option<Vec<f64>>, Error> {
     let scene = starting_from(scene, &[(&initial_value(scene, name)?, value)])?;
-    let output = output(&scene, &look.of)?;
+    let output = output(&scene, &observation.of)?;
     let mut simulation = Simulation::new(scene, 0.0)?;
     let mut rows = vec![simulation.read(&output)?];
-    for row in 1..=(duration / look.interval).round() as u64 {
+    for row in 1..=(duration / observation.interval).round() as u64 {
         if row.is_multiple_of(256) && is_over() {
             return Ok(None);
         }
-        simulation.advance_to(row as f64 * look.interval)?;
+        simulation.advance_to(row as f64 * observation.interval)?;
         rows.push(simulation.read(&output)?);
     }
     Ok(Some(rows))

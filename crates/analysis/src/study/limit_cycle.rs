@@ -1,11 +1,11 @@
 //! The endings of a scene over the values of a parameter (the paper's Fig. 3): amplitude, frequency and contact
 //! states of each limit cycle, and the values from which on contacts take a state or no longer do.
 
-use super::ending::{Ending, Kind};
+use super::long_term::{Kind, LongTermMotion};
 use super::portrait::{Portrait, portrait};
 use super::push::Push;
-use super::settling::settle;
-use super::{Journal, Look, Prepare, Watch};
+use super::settling::run_to_steady_state;
+use super::{Journal, ObservationSettings, Prepare, Watch};
 use crate::assign::assign;
 use crate::stability::parallel::collect;
 use crate::sweep::range::decimal;
@@ -36,7 +36,7 @@ pub struct Question {
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
     /// The ending of the motion, settled or not.
-    Ending(Ending),
+    LongTermMotion(LongTermMotion),
     /// The scene has no equilibrium, the step is above its critical one, or a step fails: the message of the error.
     Failure(String),
 }
@@ -44,9 +44,9 @@ pub enum Outcome {
 impl Outcome {
     /// The ending of the motion, if it has settled.
     #[must_use]
-    pub fn settled(&self) -> Option<&Ending> {
+    pub fn settled(&self) -> Option<&LongTermMotion> {
         match self {
-            Self::Ending(ending) if ending.kind != Kind::Unsettled => Some(ending),
+            Self::LongTermMotion(ending) if ending.kind != Kind::Unsettled => Some(ending),
             _ => None,
         }
     }
@@ -55,8 +55,8 @@ impl Outcome {
     /// is not known.
     fn moves(&self) -> Option<bool> {
         match self {
-            Self::Ending(ending) if ending.rests() => Some(false),
-            Self::Ending(ending) => {
+            Self::LongTermMotion(ending) if ending.rests() => Some(false),
+            Self::LongTermMotion(ending) => {
                 let leaves = ending.kind == Kind::Unsettled && ending.rate > 0.0 && ending.linear;
                 (ending.kind.is_cycle() || ending.kind == Kind::Unbounded || leaves).then_some(true)
             }
@@ -67,7 +67,7 @@ impl Outcome {
     /// The states that contacts take in the end, where they are known.
     fn taken(&self) -> Option<[bool; 4]> {
         match self {
-            Self::Ending(ending) if ending.kind != Kind::Unsettled || ending.rests() => {
+            Self::LongTermMotion(ending) if ending.kind != Kind::Unsettled || ending.rests() => {
                 Some(ending.taken)
             }
             _ => None,
@@ -256,27 +256,30 @@ struct Runs<'a> {
 
 impl Runs<'_> {
     /// The scene with a value, and the settings with which its motion is observed.
-    fn with(&self, value: f64) -> Result<(Scene, Look), Error> {
+    fn with(&self, value: f64) -> Result<(Scene, ObservationSettings), Error> {
         let mut scene = self.scene.clone();
         assign(&mut scene, self.name, value)?;
-        let look = (self.prepare)(&mut scene)?;
-        Ok((scene, look))
+        let observation = (self.prepare)(&mut scene)?;
+        Ok((scene, observation))
     }
 
     /// A motion that has settled, and its ending.
-    fn settled(&self, (scene, look): (Scene, Look)) -> Result<Option<(Simulation, Ending)>, Error> {
+    fn settled(
+        &self,
+        (scene, observation): (Scene, ObservationSettings),
+    ) -> Result<Option<(Simulation, LongTermMotion)>, Error> {
         let push = Push::of_resting(&scene);
         let mut simulation = Simulation::new(scene, 0.0)?;
         if let Some(push) = push {
             push.give(&mut simulation);
         }
-        let ending = settle(&mut simulation, &look, &|| self.watch.is_over())?;
+        let ending = run_to_steady_state(&mut simulation, &observation, &|| self.watch.is_over())?;
         Ok(ending.map(|ending| (simulation, ending)))
     }
 
     /// Refuses values that the parameter cannot have, and a scene that can start with none of them.
     fn check(&self, values: &[f64]) -> Result<(), Error> {
-        let runs: Vec<(Scene, Look)> =
+        let runs: Vec<(Scene, ObservationSettings)> =
             values.iter().map(|value| self.with(*value)).collect::<Result<_, Error>>()?;
         let mut refused = None;
         for (scene, _) in runs {
@@ -297,7 +300,7 @@ impl Runs<'_> {
         let prepared = self.with(value)?;
         self.journal.piece(&self.key(value), || {
             Ok(match self.settled(prepared) {
-                Ok(found) => found.map(|(_, ending)| Outcome::Ending(ending)),
+                Ok(found) => found.map(|(_, ending)| Outcome::LongTermMotion(ending)),
                 Err(error) => Some(Outcome::Failure(error.to_string())),
             })
         })
@@ -345,7 +348,7 @@ impl Runs<'_> {
     /// The portrait of what the motion with a value ends in; none inside where there is no cycle.
     fn portrait(&self, value: f64, contacts: usize) -> Result<Option<Option<Portrait>>, Error> {
         let Some(outcome) = self.outcome(value)? else { return Ok(None) };
-        if !matches!(&outcome, Outcome::Ending(ending) if !ending.rests()) {
+        if !matches!(&outcome, Outcome::LongTermMotion(ending) if !ending.rests()) {
             return Ok(Some(None));
         }
         let key = format!("{}, portrait of {contacts}", self.key(value));

@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! | --- | --- |
-//! | `look` | settings of the observation: output, rows, windows |
+//! | `observation` | settings of the observation: output, rows, windows |
 //! | `ending` | the kinds of motion, and what is known of a motion that has settled |
 //! | `settling` | detection of settled motions, and of their kinds |
 //! | `windows` | size and lines of a motion from window to window, and their trend |
@@ -37,20 +37,20 @@ pub mod confirm;
 mod continuation;
 mod difference;
 mod drive;
-mod ending;
 mod fading;
 mod family;
 mod initial;
 mod journal;
 mod limit_cycle;
 mod linear;
-mod look;
-mod parting;
+mod long_term;
+mod observation;
 mod period;
 pub mod perturbation;
 mod portrait;
 mod push;
 mod recurrence;
+mod separation;
 mod settling;
 pub mod transient;
 mod visit;
@@ -58,14 +58,17 @@ mod windows;
 mod work;
 
 pub use attractor::{attractors, is_same};
-pub use continuation::{Bistable, Both, Continuation, Jump, Plan, Point, Third, Way, continuation};
-pub use ending::{Ending, Kind};
+pub use continuation::{
+    Bistable, Continuation, Jump, Plan, Point, RestAndMotion, SweepDirection, ThirdMotion,
+    continuation,
+};
 pub use initial::{history, initial_value};
 pub use journal::{Journal, Owner};
 pub use limit_cycle::{
     Change, LimitCycles, MotionBracket, Outcome, Question, Regime, limit_cycles,
 };
-pub use look::{Look, Prepare, Wish, output, pace, unit};
+pub use long_term::{Kind, LongTermMotion};
+pub use observation::{ObservationRequest, ObservationSettings, Prepare, output, pace, unit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;
 pub use visit::Visited;

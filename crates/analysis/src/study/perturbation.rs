@@ -1,10 +1,10 @@
 //! The response to perturbations: the ending of a scene from each of many initial values, and the thresholds between.
 
 use super::attractor::attractors;
-use super::ending::Ending;
 use super::initial::{initial_value, starting_from};
-use super::look::Look;
-use super::settling::settle;
+use super::long_term::LongTermMotion;
+use super::observation::ObservationSettings;
+use super::settling::run_to_steady_state;
 use super::{Journal, Watch};
 use crate::stability::parallel::collect;
 use crate::sweep::range::decimal;
@@ -35,7 +35,7 @@ pub struct Run {
     /// The initial value, m or m/s.
     pub amplitude: f64,
     /// The ending of the motion; `None` if it failed.
-    pub ending: Option<Ending>,
+    pub ending: Option<LongTermMotion>,
     /// The reason of a failure.
     pub failure: Option<String>,
     /// The attractor of the motion; `None` if it has not settled, or failed.
@@ -55,7 +55,7 @@ pub struct Threshold {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Perturbations {
     /// One ending of each attractor: rest first, then cycles by amplitude.
-    pub attractors: Vec<Ending>,
+    pub attractors: Vec<LongTermMotion>,
     /// Runs by amplitude; those that the thresholds were found with included.
     pub runs: Vec<Run>,
     /// Thresholds by amplitude.
@@ -72,7 +72,7 @@ pub struct Perturbations {
 pub fn perturbation(
     scene: &Scene,
     direction: &Direction,
-    look: &Look,
+    observation: &ObservationSettings,
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<Perturbations>, Error> {
@@ -94,16 +94,16 @@ pub fn perturbation(
     let run = |amplitude: f64, all: usize| {
         let piece = journal.piece(&format!("{amplitude:?}"), || {
             let scene = starting_from(scene, &[(&name, amplitude)])?;
-            match Simulation::new(scene, 0.0)
-                .and_then(|mut simulation| settle(&mut simulation, look, &|| watch.is_over()))
-            {
+            match Simulation::new(scene, 0.0).and_then(|mut simulation| {
+                run_to_steady_state(&mut simulation, observation, &|| watch.is_over())
+            }) {
                 Ok(ending) => Ok(ending.map(Ok)),
                 Err(error) => Ok(Some(Err(error.to_string()))),
             }
         })?;
         #[allow(clippy::cast_precision_loss)]
         (watch.progress)((1 + done.fetch_add(1, Ordering::Relaxed)) as f64 / all as f64);
-        Ok(piece.map(|ending: Result<Ending, String>| {
+        Ok(piece.map(|ending: Result<LongTermMotion, String>| {
             let failure = ending.as_ref().err().cloned();
             Run { amplitude, ending: ending.ok(), failure, attractor: None }
         }))

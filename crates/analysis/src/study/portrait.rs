@@ -1,7 +1,7 @@
 //! Phase portraits of a settled motion: the velocity of each contact's mass over its displacement, along the tangent
 //! and along the normal (the paper's Fig. 3b and c).
 
-use super::ending::Ending;
+use super::long_term::LongTermMotion;
 use amontons::Error;
 use amontons::model::LumpedModel;
 use amontons::scene::Method;
@@ -19,7 +19,7 @@ pub struct Portrait {
     /// The value of the parameter.
     pub value: f64,
     /// The ending of the motion.
-    pub ending: Ending,
+    pub ending: LongTermMotion,
     /// One orbit for each contact.
     pub orbits: Vec<Orbit>,
 }
@@ -42,7 +42,7 @@ pub struct Orbit {
 pub(super) fn portrait(
     simulation: &mut Simulation,
     value: f64,
-    ending: &Ending,
+    ending: &LongTermMotion,
     contacts: usize,
 ) -> Result<Portrait, Error> {
     let model = LumpedModel::from(simulation.scene());

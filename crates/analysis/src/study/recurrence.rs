@@ -213,7 +213,7 @@ fn seek(
     frequency: f64,
     (rows, enough): (u64, f64),
     is_over: &dyn Fn() -> bool,
-    search: impl FnOnce(&Seeker<'_>) -> Result<Option<Closure>, Error>,
+    search: impl FnOnce(&PeriodFinder<'_>) -> Result<Option<Closure>, Error>,
 ) -> Result<Option<Closure>, Error> {
     let mut start = Simulation::resume(simulation.save())?;
     let scale = begin_fast(&mut start, interval, frequency, rows)?;
@@ -225,10 +225,20 @@ fn seek(
     let window = rows as f64 * interval;
     // Rounding of forces moves the state, too.
     let rounding = FORCE_ROUNDING * deflection(simulation) / scale.displacement;
-    let closed = CLOSED.max(WOBBLE * way_of_a_step(simulation, frequency)).max(rounding);
+    let closed = CLOSED.max(WOBBLE * length_of_a_step(simulation, frequency)).max(rounding);
     let enough = enough.max(closed).min(COMES_BACK);
     let begin = &begin;
-    search(&Seeker { course, begin, origin, scale, interval, window, enough, closed, is_over })
+    search(&PeriodFinder {
+        course,
+        begin,
+        origin,
+        scale,
+        interval,
+        window,
+        enough,
+        closed,
+        is_over,
+    })
 }
 
 /// The common period, s, of signals that drive a motion for ever, if it is as short as a search for it may last.
@@ -247,7 +257,7 @@ pub(super) enum Search {
 }
 
 /// Looks for a period.
-struct Seeker<'a> {
+struct PeriodFinder<'a> {
     course: ResumedMotion<'a>,
     /// The state that the search begins in, and a copy of it.
     begin: &'a Return,
@@ -263,7 +273,7 @@ struct Seeker<'a> {
     is_over: &'a dyn Fn() -> bool,
 }
 
-impl Seeker<'_> {
+impl PeriodFinder<'_> {
     /// Looks after each multiple of a period (s) between two times (s).
     fn among_multiples(
         &self,
@@ -450,8 +460,8 @@ pub(super) fn is_closing(closures: &[Closure]) -> bool {
         factors.iter().copied().fold(f64::INFINITY, f64::min),
         factors.iter().copied().fold(0.0, f64::max),
     ];
-    let goes_on = 1.0 - factors[2] >= SAME_SPEED * (1.0 - factors[0]);
-    same && most < 0.95 && most <= SAME_FACTOR * least && goes_on
+    let can_continue = 1.0 - factors[2] >= SAME_SPEED * (1.0 - factors[0]);
+    same && most < 0.95 && most <= SAME_FACTOR * least && can_continue
 }
 
 fn have_same_period(a: &Closure, b: &Closure) -> bool {
@@ -460,7 +470,7 @@ fn have_same_period(a: &Closure, b: &Closure) -> bool {
 
 /// The way of one step of the paper's scheme, which sees events at whole steps only, in parts of the size of a motion
 /// with this frequency (Hz). 0 of exact motion.
-pub(super) fn way_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
+pub(super) fn length_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
     match simulation.scene().method {
         Method::EventDriven => 0.0,
         Method::ForwardIncrement => TAU * frequency * simulation.scene().step,
@@ -470,13 +480,13 @@ pub(super) fn way_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
 /// The longest step of the paper's scheme, s, that tells a motion that comes back from one that nearly does, where
 /// its steps are longer.
 pub(super) fn longest_step(simulation: &Simulation, frequency: f64) -> Option<f64> {
-    (way_of_a_step(simulation, frequency) > COMES_BACK).then(|| COMES_BACK / (TAU * frequency))
+    (length_of_a_step(simulation, frequency) > COMES_BACK).then(|| COMES_BACK / (TAU * frequency))
 }
 
 /// `true` if a motion that comes back to such a distance may be one that the paper's scheme does not let come back
 /// nearer.
 pub(super) fn may_wobble(simulation: &Simulation, frequency: f64, distance: f64) -> bool {
-    distance <= MOST_WOBBLE * way_of_a_step(simulation, frequency)
+    distance <= MOST_WOBBLE * length_of_a_step(simulation, frequency)
 }
 
 /// Moves on over two periods of the strongest line to find how large the motion is, then to where it is nearly as

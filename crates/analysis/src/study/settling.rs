@@ -7,19 +7,19 @@
 
 use super::beat::{beat, is_fading};
 use super::drive::{is_repeated, last_edge, period};
-use super::ending::{Ending, Kind};
-use super::fading::{Shown, lasting};
+use super::fading::{ObservedCycle, lasting};
 use super::family::{frequencies_of_sum, is_one_of_many};
 use super::linear::{
     GrowthRate, deflection, growth, has_linear_friction, has_states_of_rest, is_far, may_pull,
     stays_linear,
 };
-use super::look::{Look, output, unit};
-use super::parting::{Parting, parting};
+use super::long_term::{Kind, LongTermMotion};
+use super::observation::{ObservationSettings, output, unit};
 use super::period::{OverSpan, over_span};
 use super::recurrence::{
     Closure, Search, closure, is_closing, long_closure, longest_step, may_wobble, short_period,
 };
+use super::separation::{NeighbourSeparation, parting};
 use super::windows::{Surroundings, Trend, Windows};
 use crate::accuracy::half_range;
 use crate::spectral::lines;
@@ -43,7 +43,7 @@ const WINDOWS_IN_VAIN: usize = 4;
 
 /// A motion that is observed until it is settled.
 pub(crate) struct Settling {
-    look: Look,
+    observation: ObservationSettings,
     output: Variable,
     /// Rows since the clock's zero, and those that a window began with.
     row: u64,
@@ -84,11 +84,14 @@ pub(crate) struct Settling {
 impl Settling {
     /// Looks at a simulation from where it is.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    pub(crate) fn new(simulation: &Simulation, look: &Look) -> Result<Self, Error> {
-        let row = (simulation.time() / look.interval).round() as u64;
+    pub(crate) fn new(
+        simulation: &Simulation,
+        observation: &ObservationSettings,
+    ) -> Result<Self, Error> {
+        let row = (simulation.time() / observation.interval).round() as u64;
         let mut settling = Self {
-            look: look.clone(),
-            output: output(simulation.scene(), &look.of)?,
+            observation: observation.clone(),
+            output: output(simulation.scene(), &observation.of)?,
             row,
             began: row,
             followed: Vec::new(),
@@ -104,7 +107,7 @@ impl Settling {
             deflection: deflection(simulation),
             windows: 0,
             #[allow(clippy::cast_possible_truncation)]
-            seen: Windows::new(look.rows() as usize, look.interval),
+            seen: Windows::new(observation.rows() as usize, observation.interval),
             closures: Vec::new(),
             beats: Vec::new(),
             is_of_two: false,
@@ -117,7 +120,7 @@ impl Settling {
 
     fn begin_window(&mut self, simulation: &Simulation) {
         #[allow(clippy::cast_possible_truncation)]
-        let room = MORE_WINDOWS * self.look.rows() as usize;
+        let room = MORE_WINDOWS * self.observation.rows() as usize;
         self.past.append(&mut self.followed);
         self.past.drain(..self.past.len().saturating_sub(room));
         self.mixture.clear();
@@ -134,7 +137,7 @@ impl Settling {
     /// Time at which the next row is due, s.
     #[allow(clippy::cast_precision_loss)]
     pub(crate) fn next_time(&self) -> f64 {
-        (self.row + 1) as f64 * self.look.interval
+        (self.row + 1) as f64 * self.observation.interval
     }
 
     /// Takes note of the row that is due; what the motion ends in, once that is known. A watch that says that it is
@@ -143,7 +146,7 @@ impl Settling {
         &mut self,
         simulation: &mut Simulation,
         is_over: &dyn Fn() -> bool,
-    ) -> Result<Option<Ending>, Error> {
+    ) -> Result<Option<LongTermMotion>, Error> {
         self.row += 1;
         self.followed.push(simulation.read(&self.output)?);
         self.mixture.push(mixture(simulation.displacement()));
@@ -154,7 +157,7 @@ impl Settling {
         if !self.pulled && may_pull(simulation.scene()) {
             self.pulled = simulation.contact_forces()?.iter().any(|force| force.normal_force < 0.0);
         }
-        if self.followed.len() as u64 == self.look.rows() {
+        if self.followed.len() as u64 == self.observation.rows() {
             self.close(simulation, is_over)
         } else {
             Ok(None)
@@ -170,7 +173,7 @@ impl Settling {
 
     /// `true` if the window that has ended is the last one that the motion may take.
     fn is_last(&self) -> bool {
-        self.windows >= self.look.windows()
+        self.windows >= self.observation.windows()
     }
 
     /// The end of a window.
@@ -178,7 +181,7 @@ impl Settling {
         &mut self,
         simulation: &Simulation,
         is_over: &dyn Fn() -> bool,
-    ) -> Result<Option<Ending>, Error> {
+    ) -> Result<Option<LongTermMotion>, Error> {
         self.windows += 1;
         let now = simulation.statistics();
         for ((taken, now), before) in
@@ -200,7 +203,7 @@ impl Settling {
                 largest: max_norm(simulation.displacement()),
                 at_rest: max_norm(&simulation.reference().displacement).max(self.deflection),
                 is_driven: simulation.is_driven_on(),
-                is_repeated: is_repeated(simulation, still * self.look.window),
+                is_repeated: is_repeated(simulation, still * self.observation.window),
                 is_far: is_far(simulation),
                 may_rest,
                 stays_linear: stays_linear(simulation),
@@ -208,12 +211,12 @@ impl Settling {
             },
         );
         // A motion that a surface carries along, or that flies on, is transient.
-        let goes_on = !changed && !may_rest && !simulation.is_driven_on();
+        let can_continue = !changed && !may_rest && !simulation.is_driven_on();
         // A window that contains the last edge of a signal shows transient motion, too.
-        let began = (self.row - self.look.rows()) as f64 * self.look.interval;
+        let began = (self.row - self.observation.rows()) as f64 * self.observation.interval;
         let waits = began < self.last_edge;
-        let is_open = goes_on || waits && course != Trend::Unbounded;
-        let course = if is_open { Trend::Open } else { course };
+        let is_open = can_continue || waits && course != Trend::Unbounded;
+        let course = if is_open { Trend::OpenQuestion } else { course };
         let follows = course != Trend::Rests && !is_open && self.follows(simulation, is_over)?;
         let kind = match course {
             _ if follows => Some((Kind::QuasiPeriodic, None)),
@@ -222,7 +225,7 @@ impl Settling {
             Trend::Steady | Trend::Varies => {
                 self.kind(simulation, course == Trend::Varies, is_over)?
             }
-            Trend::Open => None,
+            Trend::OpenQuestion => None,
         };
         let (kind, parting) = match kind {
             Some(known) => known,
@@ -242,7 +245,7 @@ impl Settling {
         if may_be_linear && kind.is_cycle() || is_driven {
             let strongest = self.seen.known_lines().and_then(|found| found.lines.first());
             let frequency = strongest.map(|line| line.frequency);
-            ending.linear = is_one_of_many(simulation, &self.look, frequency, is_over)?;
+            ending.linear = is_one_of_many(simulation, &self.observation, frequency, is_over)?;
         }
         ending.longest_step = self.longest_step.filter(|_| kind == Kind::Undecided);
         if kind == Kind::QuasiPeriodic {
@@ -267,9 +270,10 @@ impl Settling {
         let closure = self.closures.last().filter(|_| kind.is_cycle());
         let span = match kind {
             Kind::Periodic => closure.map(|closure| closure.period),
-            _ => kind.is_cycle().then_some(self.look.window),
+            _ => kind.is_cycle().then_some(self.observation.window),
         };
-        let over = span.map(|span| over_span(simulation, &self.output, span, self.look.interval));
+        let over =
+            span.map(|span| over_span(simulation, &self.output, span, self.observation.interval));
         let over = over.transpose()?;
         if let Some(found) = over.as_ref().filter(|_| kind == Kind::Periodic) {
             // A window need not hold enough periods to tell the slowest line.
@@ -283,10 +287,10 @@ impl Settling {
         if let Some(OverSpan { amplitude, extents, shares, .. }) = over {
             (ending.amplitude, ending.extents, ending.shares) = (amplitude, extents, shares);
             if let (Kind::Periodic, Some(period)) = (kind, ending.period) {
-                let shown = Shown {
-                    interval: self.look.interval,
-                    window: self.look.window,
-                    longest: self.look.longest,
+                let shown = ObservedCycle {
+                    interval: self.observation.interval,
+                    window: self.observation.window,
+                    longest: self.observation.longest,
                     elapsed: ending.time.min(simulation.time() - self.last_edge),
                     period,
                     output: &self.output,
@@ -314,13 +318,13 @@ impl Settling {
         is_over: &dyn Fn() -> bool,
     ) -> Result<bool, Error> {
         let is_due = self.is_last() || self.seen.count().is_multiple_of(WINDOWS_BETWEEN);
-        let repeats = || short_period(simulation, self.look.window).is_some();
+        let repeats = || short_period(simulation, self.observation.window).is_some();
         if !is_due || !simulation.is_driven_on() || repeats() {
             return Ok(false);
         }
         let main = self.seen.last_lines().and_then(|found| found.lines.first());
         let Some(main) = main.map(|line| line.frequency) else { return Ok(false) };
-        Ok(self.parting(simulation, main, false, is_over)? == Parting::Together)
+        Ok(self.parting(simulation, main, false, is_over)? == NeighbourSeparation::Together)
     }
 
     /// Separation of neighbouring motions ([`parting`]). The paper's scheme, which sees events at whole steps only,
@@ -331,11 +335,11 @@ impl Settling {
         frequency: f64,
         is_long: bool,
         is_over: &dyn Fn() -> bool,
-    ) -> Result<Parting, Error> {
-        let (interval, rows) = (self.look.interval, self.look.rows());
+    ) -> Result<NeighbourSeparation, Error> {
+        let (interval, rows) = (self.observation.interval, self.observation.rows());
         let is_exact = simulation.scene().method == Method::EventDriven;
         Ok(match parting(simulation, interval, frequency, (rows, is_long), is_over)? {
-            Parting::Together if !is_exact => Parting::Unknown,
+            NeighbourSeparation::Together if !is_exact => NeighbourSeparation::Unknown,
             parting => parting,
         })
     }
@@ -348,7 +352,7 @@ impl Settling {
         varies: bool,
         is_over: &dyn Fn() -> bool,
     ) -> Result<Option<(Kind, Option<f64>)>, Error> {
-        let interval = self.look.interval;
+        let interval = self.observation.interval;
         let Some(found) = self.seen.last_lines() else { return Ok(None) };
         self.beats.push(beat(found));
         let main = found.lines.first().map(|line| line.frequency);
@@ -360,14 +364,14 @@ impl Settling {
         // A long search is made now and then.
         let is_last = self.is_last();
         let is_due = is_last || self.seen.count().is_multiple_of(WINDOWS_BETWEEN);
-        if !is_due && period(simulation).is_some_and(|period| period > self.look.window) {
+        if !is_due && period(simulation).is_some_and(|period| period > self.observation.window) {
             return Ok(None);
         }
         let looked_in_vain = self.windows < self.looked_in_vain + WINDOWS_IN_VAIN;
         if !is_due && looked_in_vain {
             return Ok(None);
         }
-        let search = closure(simulation, interval, main, self.look.rows(), is_over)?;
+        let search = closure(simulation, interval, main, self.observation.rows(), is_over)?;
         let was_cut_short = matches!(search, Search::CutShort);
         if !matches!(search, Search::Found(_)) {
             self.closures.clear();
@@ -393,9 +397,9 @@ impl Settling {
         let is_long = is_of_two || is_last;
         let parting = self.parting(simulation, main, is_long, is_over)?;
         // Neighbours that come together follow the signals, so the motion comes back after one or several of their periods.
-        let repeats = short_period(simulation, self.look.window).is_some();
-        if parting == Parting::Together && repeats {
-            let rows = self.look.rows();
+        let repeats = short_period(simulation, self.observation.window).is_some();
+        if parting == NeighbourSeparation::Together && repeats {
+            let rows = self.observation.rows();
             let found = long_closure(simulation, interval, main, rows, is_over)?;
             if let Some(found) = found.filter(|found| found.is_closed && found.is_shortest) {
                 self.closures.push(found);
@@ -407,15 +411,17 @@ impl Settling {
         let last = self.closures.last();
         let is_open = last.is_some_and(|last| may_wobble(simulation, main, last.distance));
         let kind = match parting {
-            Parting::Exponential(_) => Kind::Irregular,
-            Parting::Unknown => Kind::Undecided,
+            NeighbourSeparation::Exponential(_) => Kind::Irregular,
+            NeighbourSeparation::Unknown => Kind::Undecided,
             _ if is_open || was_cut_short || !has_come => Kind::Undecided,
             _ if is_fading(&self.beats) => {
                 return Ok(is_last.then_some((Kind::Unsettled, None)));
             }
             // Neighbours of a quasi-periodic motion keep their distance, unless signals without a period lead all of them.
-            Parting::Together if repeats || !simulation.is_driven_on() => Kind::Undecided,
-            Parting::Regular | Parting::Together => Kind::QuasiPeriodic,
+            NeighbourSeparation::Together if repeats || !simulation.is_driven_on() => {
+                Kind::Undecided
+            }
+            NeighbourSeparation::Regular | NeighbourSeparation::Together => Kind::QuasiPeriodic,
         };
         if !is_last && kind == Kind::Undecided {
             return Ok(None);
@@ -424,21 +430,21 @@ impl Settling {
             self.closures.clear();
         }
         let rate = match parting {
-            Parting::Exponential(rate) => Some(rate),
+            NeighbourSeparation::Exponential(rate) => Some(rate),
             _ => None,
         };
         Ok(Some((kind, rate)))
     }
 
-    fn ending(&self, kind: Kind, driven: bool) -> Ending {
+    fn ending(&self, kind: Kind, driven: bool) -> LongTermMotion {
         let found = match kind {
             Kind::QuasiPeriodic | Kind::Irregular | Kind::Undecided => {
-                lines(&[&self.past[..], &self.followed].concat(), self.look.interval, TOLD)
+                lines(&[&self.past[..], &self.followed].concat(), self.observation.interval, TOLD)
             }
-            _ => lines(&self.followed, self.look.interval, TOLD),
+            _ => lines(&self.followed, self.observation.interval, TOLD),
         };
         let all = self.states.iter().sum::<u64>().max(1) as f64;
-        let mut ending = Ending {
+        let mut ending = LongTermMotion {
             kind,
             amplitude: half_range(&self.followed),
             frequency: None,
@@ -452,10 +458,10 @@ impl Settling {
             shares: self.states.map(|count| count as f64 / all),
             taken: self.taken,
             fading: [false; 4],
-            time: (self.row - self.began) as f64 * self.look.interval,
+            time: (self.row - self.began) as f64 * self.observation.interval,
             rate: match self.seen.last_sizes() {
                 [Some(last), Some(before)] if !driven && before > 0.0 && last > 0.0 => {
-                    libm::log(last / before) / self.look.window
+                    libm::log(last / before) / self.observation.window
                 }
                 _ => 0.0,
             },
@@ -473,12 +479,12 @@ impl Settling {
 ///
 /// # Errors
 /// Returns an error if the motion fails ([`Simulation::advance_to`]).
-pub(crate) fn settle(
+pub(crate) fn run_to_steady_state(
     simulation: &mut Simulation,
-    look: &Look,
+    observation: &ObservationSettings,
     is_over: &dyn Fn() -> bool,
-) -> Result<Option<Ending>, Error> {
-    let mut settling = Settling::new(simulation, look)?;
+) -> Result<Option<LongTermMotion>, Error> {
+    let mut settling = Settling::new(simulation, observation)?;
     loop {
         if settling.row.is_multiple_of(256) && is_over() {
             return Ok(None);
@@ -495,19 +501,19 @@ pub(crate) fn settle(
 mod tests {
     use super::*;
     use crate::assign::assign;
-    use crate::study::Wish;
+    use crate::study::ObservationRequest;
     use amontons::scene::builtin;
 
     /// The ending of a built-in scene with other values, by exact motion.
-    fn ending(name: &str, values: &[(&str, f64)]) -> Ending {
+    fn ending(name: &str, values: &[(&str, f64)]) -> LongTermMotion {
         let mut scene = builtin(name).unwrap().scene();
         for (name, value) in values {
             assign(&mut scene, name, *value).unwrap();
         }
-        let look = Look::of(&scene, &Wish::default()).unwrap();
-        (scene.method, scene.step) = (Method::EventDriven, look.interval);
+        let observation = ObservationSettings::of(&scene, &ObservationRequest::default()).unwrap();
+        (scene.method, scene.step) = (Method::EventDriven, observation.interval);
         let mut simulation = Simulation::new(scene, 0.0).unwrap();
-        settle(&mut simulation, &look, &|| false).unwrap().unwrap()
+        run_to_steady_state(&mut simulation, &observation, &|| false).unwrap().unwrap()
     }
 
     #[test]

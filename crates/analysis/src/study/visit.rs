@@ -1,6 +1,6 @@
 //! This module follows a motion that has settled, to see which states its contacts take together.
 
-use super::look::Look;
+use super::observation::ObservationSettings;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::model::LumpedModel;
@@ -32,15 +32,15 @@ impl Visited {
 /// Returns an error if a step fails.
 pub(super) fn visited(
     simulation: &Simulation,
-    look: &Look,
+    observation: &ObservationSettings,
     period: Option<f64>,
 ) -> Result<Visited, Error> {
     let mut simulation = Simulation::resume(simulation.save())?;
     let symmetry = Symmetry::of(&LumpedModel::from(&simulation.nominal().scene()));
     let mut states = HashSet::new();
     let start = simulation.time();
-    let time = period.unwrap_or(look.window);
-    let looks = (time / look.interval).ceil() * LOOKS_A_ROW;
+    let time = period.unwrap_or(observation.window);
+    let looks = (time / observation.interval).ceil() * LOOKS_A_ROW;
     let mut done = 0.0;
     while done < looks {
         done += 1.0;

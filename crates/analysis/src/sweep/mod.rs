@@ -70,7 +70,7 @@ pub struct Summary {
     pub amplitudes: Vec<f64>,
     /// `true` if everything rests, or the size of each displacement stays over the four quarters of the window; `false` if
     /// those that do not all grow, or all decay, from each quarter to the next; else why that is not known.
-    pub settled: Result<bool, Doubt>,
+    pub settled: Result<bool, UnsettledReason>,
     /// Energies at the end, J, in the order of [`ENERGIES`]; empty unless the scene asks for them.
     pub energies: Vec<f64>,
     /// Frequency of the output with the largest amplitude, Hz; `None` if it does not oscillate, or for fewer than
@@ -83,7 +83,7 @@ pub struct Summary {
 
 /// The reason why it is not known if a motion has settled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Doubt {
+pub enum UnsettledReason {
     /// A quarter of the window has fewer than five periods of the slowest mode; the window that has them, s.
     Short(f64),
     /// Sizes neither stay, nor do all that change grow, or all decay, from each quarter to the next.
@@ -92,7 +92,7 @@ pub enum Doubt {
     NoMode,
 }
 
-impl fmt::Display for Doubt {
+impl fmt::Display for UnsettledReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Short(window) => write!(
@@ -239,13 +239,13 @@ impl RunRecord {
 
     /// Computes [`Summary::settled`] of what moves. A displacement that moves by less than `least` (m) rests.
     #[allow(clippy::cast_precision_loss)]
-    fn settled(&self, interval: f64, least: f64) -> Result<bool, Doubt> {
+    fn settled(&self, interval: f64, least: f64) -> Result<bool, UnsettledReason> {
         let quarter = self.displacements.rows() as f64 * interval;
-        let slowest = self.slowest.ok_or(Doubt::NoMode)?;
+        let slowest = self.slowest.ok_or(UnsettledReason::NoMode)?;
         if slowest * quarter < PERIODS_TO_SETTLE {
             // A window consists of four such quarters, and of the rows that no quarter has.
-            return Err(Doubt::Short(4.0 * (PERIODS_TO_SETTLE / slowest + interval)));
+            return Err(UnsettledReason::Short(4.0 * (PERIODS_TO_SETTLE / slowest + interval)));
         }
-        self.displacements.settled(least).ok_or(Doubt::Mixed)
+        self.displacements.settled(least).ok_or(UnsettledReason::Mixed)
     }
 }

@@ -2,7 +2,7 @@
 //! eqs. (4)–(6), which follow no mode and know no σ.
 
 use crate::quadratic;
-use amontons::contact::{ContactState, Joined, all_states};
+use amontons::contact::{ContactState, JoinedStates, all_states};
 use amontons::model::LumpedModel;
 use amontons::scene::{Scene, builtin};
 use amontons_analysis::stability::candidates::{Bistability, Candidate, bistability};
@@ -30,7 +30,7 @@ fn growing(states: &[ContactState], mu: f64) -> Vec<Complex<f64>> {
 /// The mode that begins to grow at µ, which must lie within 1e-8 of there.
 fn onset(states: &[ContactState], mu: f64) -> Complex<f64> {
     let (before, after) = (growing(states, mu - 1e-8), growing(states, mu + 1e-8));
-    assert_eq!(after.len(), before.len() + 1, "{} at {mu}", Joined(states));
+    assert_eq!(after.len(), before.len() + 1, "{} at {mu}", JoinedStates(states));
     after.into_iter().min_by(|a, b| a.re.total_cmp(&b.re)).unwrap()
 }
 
@@ -48,7 +48,7 @@ fn uniform_sliding_turns_where_it_is_said_to() {
 #[test]
 fn every_candidate_begins_to_grow_where_it_is_said_to_at_its_frequency() {
     let found = found();
-    assert!(found.candidates.iter().any(|c| Joined(&c.states).to_string() == "Sl-St"));
+    assert!(found.candidates.iter().any(|c| JoinedStates(&c.states).to_string() == "Sl-St"));
     for candidate in &found.candidates {
         let Candidate { states, range, begins, frequency_hz, at_end, .. } = candidate;
         assert!(begins, "Set 2 grows in no state without friction");
@@ -59,7 +59,7 @@ fn every_candidate_begins_to_grow_where_it_is_said_to_at_its_frequency() {
             ((value.im / TAU - at_end[0]).abs() / at_end[0]).max((value.re / at_end[1] - 1.0).abs())
         };
         let nearest = growing(states, range[1]).iter().map(miss).fold(f64::MAX, f64::min);
-        assert!(nearest < 1e-8, "{}: {nearest:e}", Joined(states));
+        assert!(nearest < 1e-8, "{}: {nearest:e}", JoinedStates(states));
     }
 }
 
@@ -71,7 +71,7 @@ fn candidates_are_ranked_by_the_energy_of_masses_that_move_with_their_surface() 
     let energies: Vec<f64> = found.candidates.iter().map(|c| c.reach.unwrap().energy).collect();
     assert!(energies.is_sorted(), "{energies:?}");
     let first = &found.candidates[0];
-    assert_eq!(Joined(&first.states).to_string(), "Sl-St");
+    assert_eq!(JoinedStates(&first.states).to_string(), "Sl-St");
     let mass = model.mass.get(2, 2);
     let expected = 0.5 * mass * scene.slider.velocity.powi(2);
     assert!((energies[0] / expected - 1.0).abs() < 1e-9, "{energies:?} {expected}");
@@ -92,7 +92,7 @@ fn no_state_grows_below_the_turn_but_the_candidates() {
         for i in 0..=250 {
             let mu = found.stable[0][1] * (f64::from(i) + 0.5) / 251.0;
             let expected = own.iter().filter(|c| c.range[0] < mu && mu < c.range[1]).count();
-            assert_eq!(growing(&states, mu).len(), expected, "{} at {mu}", Joined(&states));
+            assert_eq!(growing(&states, mu).len(), expected, "{} at {mu}", JoinedStates(&states));
         }
     }
 }

@@ -5,7 +5,8 @@ use amontons::scene::{Scene, parse};
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::perturbation::{Direction, perturbation};
 use amontons_analysis::study::{
-    Ending, Journal, Kind, LimitCycles, Look, Outcome, Question, Watch, Wish, limit_cycles,
+    Journal, Kind, LimitCycles, LongTermMotion, ObservationRequest, ObservationSettings, Outcome,
+    Question, Watch, limit_cycles,
 };
 use std::f64::consts::TAU;
 
@@ -57,9 +58,9 @@ impl Block {
 }
 
 /// The end of a scene's motion, observed through windows of `window` seconds or of the scene's default length.
-fn ending(scene: &Scene, window: Option<f64>) -> Ending {
-    let wish = Wish { window, ..Wish::default() };
-    let prepare = |scene: &mut Scene| Look::paced(scene, &wish);
+fn ending(scene: &Scene, window: Option<f64>) -> LongTermMotion {
+    let request = ObservationRequest { window, ..ObservationRequest::default() };
+    let prepare = |scene: &mut Scene| ObservationSettings::paced(scene, &request);
     let question = Question {
         name: "slider.velocity".to_owned(),
         values: vec![scene.slider.velocity],
@@ -70,7 +71,7 @@ fn ending(scene: &Scene, window: Option<f64>) -> Ending {
     let found = limit_cycles(scene, &prepare, &question, &Journal::forgotten(), Watch::IDLE);
     let LimitCycles { mut outcomes, .. } = found.unwrap().unwrap();
     match outcomes.remove(0) {
-        Outcome::Ending(ending) => ending,
+        Outcome::LongTermMotion(ending) => ending,
         Outcome::Failure(why) => panic!("{why}"),
     }
 }
@@ -270,8 +271,10 @@ fn undamped_masses_beside_one_at_its_limit_keep_whatever_size_they_have() {
             amplitudes: values.to_vec(),
             resolution: 1e-2,
         };
-        let look = Look::paced(&mut scene, &Wish::default()).unwrap();
-        let found = perturbation(&scene, &direction, &look, &Journal::forgotten(), Watch::IDLE);
+        let observation =
+            ObservationSettings::paced(&mut scene, &ObservationRequest::default()).unwrap();
+        let found =
+            perturbation(&scene, &direction, &observation, &Journal::forgotten(), Watch::IDLE);
         found.unwrap().unwrap()
     };
     // b swings with up to 0.1 m/s as it likes; faster, it comes down to that.

@@ -1,9 +1,9 @@
 //! The analyses agree with closed forms, with the paper and with other methods.
 
 mod bistable;
-mod departure;
 mod effects_of_contact;
 mod kinds_of_motion;
+mod linearity_limit;
 mod network_stability;
 #[path = "../../../../tests/support/quadratic.rs"]
 mod quadratic;

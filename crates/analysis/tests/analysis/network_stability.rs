@@ -7,7 +7,7 @@ use amontons::scene::{Scene, builtin, parse};
 use amontons::stability::Spectrum;
 use amontons_analysis::stability::candidates::{bistability, resting_state, uniform_sliding};
 use amontons_analysis::stability::locus::locus;
-use amontons_analysis::stability::{Linearised, departure, modes};
+use amontons_analysis::stability::{Linearised, linearity_limit, modes};
 
 const MASS: f64 = 2.0;
 const STIFFNESS: f64 = 800.0;
@@ -119,7 +119,7 @@ fn a_mode_leaves_sliding_by_the_contacts_own_velocity_and_friction() {
         let here = Linearised::of(&Scene { friction_coefficient: mu, ..scene });
         let linear = here.linear().unwrap();
         let mode = &modes(linear, &here.uniform_sliding().unwrap()).unwrap().oscillating[0];
-        let found = departure(linear, here.equilibrium().unwrap(), mode).unwrap();
+        let found = linearity_limit(linear, here.equilibrium().unwrap(), mode).unwrap();
         let expected = velocity / (STIFFNESS / MASS).sqrt();
         assert_eq!(found.into, into, "{contact}");
         assert!((found.amplitude - expected).abs() < 1e-12, "{contact}");

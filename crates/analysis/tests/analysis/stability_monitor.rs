@@ -2,7 +2,7 @@
 //! (paper, eqs. 4–6), the paper's Table 2, and closed forms.
 
 use crate::quadratic;
-use amontons::contact::{ContactState, Joined};
+use amontons::contact::{ContactState, JoinedStates};
 use amontons::model::LumpedModel;
 use amontons::scene::{Scene, builtin, parse};
 use amontons::simulation::{Simulation, variables};
@@ -101,7 +101,7 @@ fn each_state_of_the_limit_cycle_has_its_own_again_whenever_it_is_met() {
         let expected = *met.entry(states.clone()).or_insert_with(|| expected(&scene, &states));
         assert_near(found, expected);
     }
-    let names: Vec<String> = met.keys().map(|states| Joined(states).to_string()).collect();
+    let names: Vec<String> = met.keys().map(|states| JoinedStates(states).to_string()).collect();
     assert!(met.len() >= 3, "{names:?}");
     assert!(met.values().any(|outlook| outlook.0 < 0.0));
 }

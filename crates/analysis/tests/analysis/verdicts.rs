@@ -8,8 +8,9 @@ use amontons_analysis::assign::assign;
 use amontons_analysis::stability::candidates::{Candidate, bistability};
 use amontons_analysis::study::confirm::confirm;
 use amontons_analysis::study::{
-    Continuation, Ending, Journal, Kind, LimitCycles, Look, Plan, Prepare, Push, Question, Watch,
-    Way, Wish, continuation, limit_cycles,
+    Continuation, Journal, Kind, LimitCycles, LongTermMotion, ObservationRequest,
+    ObservationSettings, Plan, Prepare, Push, Question, SweepDirection, Watch, continuation,
+    limit_cycles,
 };
 use amontons_analysis::sweep::observed::output;
 use amontons_analysis::sweep::{View, sweep};
@@ -24,14 +25,14 @@ fn scene(name: &str, values: &[(&str, f64)]) -> Scene {
 }
 
 /// The limit cycles of a scene for some values of µ, looked at as wished.
-fn cycles(scene: &Scene, wish: &Wish<'_>, values: &[f64]) -> LimitCycles {
-    let prepare = |scene: &mut Scene| Look::paced(scene, wish);
+fn cycles(scene: &Scene, request: &ObservationRequest<'_>, values: &[f64]) -> LimitCycles {
+    let prepare = |scene: &mut Scene| ObservationSettings::paced(scene, request);
     cycles_over(scene, &prepare, "friction.coefficient", values)
 }
 
 /// Motion is computed and looked at as studies do unless told otherwise.
-fn paced(scene: &mut Scene) -> Result<Look, Error> {
-    Look::paced(scene, &Wish::default())
+fn paced(scene: &mut Scene) -> Result<ObservationSettings, Error> {
+    ObservationSettings::paced(scene, &ObservationRequest::default())
 }
 
 /// The limit cycles over any parameter; `prepare` sets the integrator and the observation settings.
@@ -46,15 +47,23 @@ fn cycles_over(scene: &Scene, prepare: Prepare<'_>, name: &str, values: &[f64]) 
     limit_cycles(scene, prepare, &question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
-fn ending(found: &LimitCycles) -> &Ending {
+fn ending(found: &LimitCycles) -> &LongTermMotion {
     found.outcomes[0].settled().expect("it settles")
 }
 
 fn followed(scene: &Scene, values: &[f64], resolution: f64) -> Continuation {
     let mut scene = scene.clone();
-    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
+    let observation =
+        ObservationSettings::paced(&mut scene, &ObservationRequest::default()).unwrap();
     let push = Push::of(&scene);
-    let plan = Plan { scene: &scene, look: &look, values, resolution, push, candidates: &[] };
+    let plan = Plan {
+        scene: &scene,
+        observation: &observation,
+        values,
+        resolution,
+        push,
+        candidates: &[],
+    };
     continuation(&plan, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
@@ -107,8 +116,12 @@ fn a_squeal_of_1_1_khz_is_not_taken_for_another_frequency_where_rows_are_a_milli
         assert_near(summary.frequency.unwrap(), counted, 1e-4);
         assert_eq!(summary.settled, Ok(true));
     }
-    let wish = Wish { interval: Some(1e-3), of: Some("mass.disc.y"), ..Wish::default() };
-    let found = cycles(&scene("disc_brake", &[]), &wish, &[0.6]);
+    let request = ObservationRequest {
+        interval: Some(1e-3),
+        of: Some("mass.disc.y"),
+        ..ObservationRequest::default()
+    };
+    let found = cycles(&scene("disc_brake", &[]), &request, &[0.6]);
     assert_near(ending(&found).frequency.unwrap(), counted, 1e-5);
 }
 
@@ -117,8 +130,12 @@ fn a_motion_has_the_same_kind_period_and_amplitude_however_its_rows_fall() {
     let of = Some("mass.disc.y");
     let found: Vec<LimitCycles> = [1e-3, 2e-5, 1.9e-5, 1.3e-5]
         .map(|interval| {
-            let wish = Wish { interval: Some(interval), of, ..Wish::default() };
-            cycles(&scene("disc_brake", &[]), &wish, &[0.6])
+            let request = ObservationRequest {
+                interval: Some(interval),
+                of,
+                ..ObservationRequest::default()
+            };
+            cycles(&scene("disc_brake", &[]), &request, &[0.6])
         })
         .into();
     let first = ending(&found[0]);
@@ -156,8 +173,8 @@ fn a_motion_is_looked_at_as_often_as_each_value_of_a_parameter_asks_for() {
 fn the_kind_of_a_motion_does_not_depend_on_the_output_that_is_looked_at() {
     for of in ["mass.upper.x", "mass.disc.y", "mass.upper.vx", "contact.upper_lining.normal_force"]
     {
-        let wish = Wish { of: Some(of), ..Wish::default() };
-        let found = cycles(&scene("disc_brake", &[]), &wish, &[0.6]);
+        let request = ObservationRequest { of: Some(of), ..ObservationRequest::default() };
+        let found = cycles(&scene("disc_brake", &[]), &request, &[0.6]);
         assert_eq!(ending(&found).kind, Kind::Periodic, "{of}");
     }
 }
@@ -172,7 +189,8 @@ fn a_change_of_friction_that_pushes_a_scene_out_of_rest_is_no_jump() {
     for (first, step, count) in [(1.5, 0.1, 7), (1.4, 0.1, 8), (1.5, 0.05, 13)] {
         let values: Vec<f64> = (0..count).map(|i| first + step * f64::from(i)).collect();
         let found = followed(&pushed, &values, 1e-3);
-        let rising: Vec<_> = found.jumps.iter().filter(|jump| jump.way == Way::Rising).collect();
+        let rising: Vec<_> =
+            found.jumps.iter().filter(|jump| jump.way == SweepDirection::Rising).collect();
         assert!(rising[0].endings[0].rests(), "{rising:?}");
         assert!(
             rising[0].between[0] <= onset + 1e-4 && onset <= rising[0].between[1] + 1e-3,
@@ -216,11 +234,11 @@ fn a_motion_that_nothing_can_stop_grows_without_bound_from_where_a_mode_begins_t
     let onset = onset(&set1, [0.9, 1.4]);
     let found = followed(&set1, &[1.0, 1.1, 1.2, 1.3], 1e-3);
     let [jump, ..] = &found.jumps[..] else { panic!("no jump") };
-    assert_eq!((jump.way, jump.endings[1].kind), (Way::Rising, Kind::Unbounded));
+    assert_eq!((jump.way, jump.endings[1].kind), (SweepDirection::Rising, Kind::Unbounded));
     assert!(jump.between[0] <= onset && onset <= jump.between[1], "{:?} {onset}", jump.between);
     assert!(jump.between[1] - jump.between[0] <= 1e-3 + 1e-12);
     let [falls] = &found.jumps[1..] else { panic!("{:?}", found.jumps) };
-    assert_eq!(falls.way, Way::Falling);
+    assert_eq!(falls.way, SweepDirection::Falling);
     assert!(falls.endings[1].rests() && falls.endings[1].amplitude < 1e-3, "{falls:?}");
 }
 
@@ -228,12 +246,12 @@ fn a_motion_that_nothing_can_stop_grows_without_bound_from_where_a_mode_begins_t
 fn two_cycles_that_look_alike_are_told_apart_with_any_step() {
     // Between two values of µ 0.05 apart one of two frequencies gives way to a periodic one, and back at a lower µ.
     let found = followed(&scene("set1", &[]), &[2.0, 2.05], 1e-3);
-    let jump = |way: Way| {
+    let jump = |way: SweepDirection| {
         let mut jumps = found.jumps.iter().filter(|jump| jump.way == way);
         let (Some(jump), None) = (jumps.next(), jumps.next()) else { panic!("{:?}", found.jumps) };
         jump.at()
     };
-    let (up, down) = (jump(Way::Rising), jump(Way::Falling));
+    let (up, down) = (jump(SweepDirection::Rising), jump(SweepDirection::Falling));
     assert!(2.03 < down && down < up && up < 2.045, "{down} {up}");
     let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
     assert_eq!((range.range, range.rests), ([down, up], false));
@@ -303,8 +321,8 @@ fn a_block_that_a_slow_belt_carries_along_does_not_rest() {
                 [[damper]]\nname = \"d\"\nbetween = [\"tail\", \"block\"]\ndirection = \"x\"\ndamping = 0.5\n\
                 [[contact]]\nname = \"belt\"\nmass = \"block\"\n[[initial]]\nmass = \"block\"\nvx = 0.01\n\
                 [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 20.0\noutput_interval = 0.01\n";
-    let wish = Wish { longest: Some(200.0), ..Wish::default() };
-    let found = cycles(&parse("slow", text).unwrap(), &wish, &[0.2]);
+    let request = ObservationRequest { longest: Some(200.0), ..ObservationRequest::default() };
+    let found = cycles(&parse("slow", text).unwrap(), &request, &[0.2]);
     assert!(found.outcomes[0].settled().is_none(), "{:?}", found.outcomes[0]);
 }
 
@@ -336,7 +354,11 @@ fn arm(locked: &str) -> Scene {
 fn a_sum_of_two_modes_and_no_other_is_told_as_one_of_two_frequencies() {
     for (locked, is_of_two) in [("[]", false), ("[\"y\"]", true)] {
         for window in [None, Some(10.0)] {
-            let found = cycles(&arm(locked), &Wish { window, ..Wish::default() }, &[0.2]);
+            let found = cycles(
+                &arm(locked),
+                &ObservationRequest { window, ..ObservationRequest::default() },
+                &[0.2],
+            );
             let ending = ending(&found);
             assert!(ending.kind == Kind::QuasiPeriodic && ending.linear, "{window:?} {ending:?}");
             assert_eq!(ending.two_frequencies, is_of_two, "{window:?} {ending:?}");
@@ -367,7 +389,8 @@ fn a_regular_motion_of_many_lines_is_quasi_periodic() {
     );
     let scene = parse("tip", &text).unwrap();
     for window in [None, Some(4.0)] {
-        let found = cycles(&scene, &Wish { window, ..Wish::default() }, &[0.3]);
+        let found =
+            cycles(&scene, &ObservationRequest { window, ..ObservationRequest::default() }, &[0.3]);
         assert_eq!(ending(&found).kind, Kind::QuasiPeriodic, "{window:?}");
     }
 }
@@ -409,14 +432,15 @@ fn a_step_that_is_too_long_to_tell_the_kind_of_a_motion_leaves_it_open() {
     for step in [1e-4, 2e-5] {
         let mut scene = scene("set1", &[]);
         (scene.method, scene.step) = (Method::ForwardIncrement, step);
-        let prepare = |scene: &mut Scene| Look::of(scene, &Wish::default());
+        let prepare =
+            |scene: &mut Scene| ObservationSettings::of(scene, &ObservationRequest::default());
         let found = cycles_over(&scene, &prepare, "friction.coefficient", &[2.0]);
         assert_eq!(ending(&found).kind, Kind::Undecided);
         let advice = ending(&found).evidence().unwrap();
         assert!(advice.contains("--step"), "{advice}");
     }
     assert_eq!(
-        ending(&cycles(&scene("set1", &[]), &Wish::default(), &[2.0])).kind,
+        ending(&cycles(&scene("set1", &[]), &ObservationRequest::default(), &[2.0])).kind,
         Kind::QuasiPeriodic
     );
 }
@@ -436,7 +460,7 @@ fn what_friction_holds_against_a_sine_rests() {
              [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 40.0\noutput_interval = 1e-2\n"
         );
         let held = parse("held", &text).unwrap();
-        let found = cycles(&held, &Wish::default(), &[0.1]);
+        let found = cycles(&held, &ObservationRequest::default(), &[0.1]);
         assert_eq!(ending(&found).rests(), rests, "{force}: {:?}", ending(&found));
     }
 }
@@ -489,8 +513,12 @@ fn a_motion_that_a_start_leads_to_at_some_values_is_followed_to_both_of_its_ends
         let of_way = coarse.jumps.iter().filter(move |jump| jump.way == way);
         of_way.filter(|jump| jump.endings[1].rests())
     };
-    assert!(to_rest(Way::Rising).next().is_some(), "{:?}", coarse.jumps);
-    assert!(to_rest(Way::Falling).all(|jump| jump.between != [0.5, 0.4]), "{:?}", coarse.jumps);
+    assert!(to_rest(SweepDirection::Rising).next().is_some(), "{:?}", coarse.jumps);
+    assert!(
+        to_rest(SweepDirection::Falling).all(|jump| jump.between != [0.5, 0.4]),
+        "{:?}",
+        coarse.jumps
+    );
 }
 
 /// A damped block on a belt whose friction falls with the slip, N (µ_s − µ)/v_s e^(−v/v_s) against c: sliding is stable

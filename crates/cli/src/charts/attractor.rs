@@ -3,12 +3,12 @@
 use amontons::decimal::to_significant;
 use amontons::scene::Scene;
 use amontons::simulation::variables;
-use amontons_analysis::study::{Ending, Kind, unit};
+use amontons_analysis::study::{Kind, LongTermMotion, unit};
 use amontons_pictures::picture::prefixed;
 
 /// Describes a motion: "quasi-periodic, 0.12 mm, 167.3 Hz"; "rest".
 #[must_use]
-pub fn words(ending: &Ending, unit: &str) -> String {
+pub fn words(ending: &LongTermMotion, unit: &str) -> String {
     if ending.kind == Kind::Equilibrium {
         return "rest".to_owned();
     }

@@ -3,7 +3,9 @@
 use super::kinds;
 use amontons::scene::Scene;
 use amontons_analysis::stability::candidates::Bistability;
-use amontons_analysis::study::{Bistable, Continuation, Ending, Jump, Kind, Look, Point, Way};
+use amontons_analysis::study::{
+    Bistable, Continuation, Jump, Kind, LongTermMotion, ObservationSettings, Point, SweepDirection,
+};
 use amontons_pictures::picture::{Band, Chart, Mark, Panel, Series, Style};
 
 /// Colours of ranges with two motions: rest and a cycle, two cycles, then other pairs.
@@ -13,17 +15,17 @@ const BANDS: [usize; 6] = [2, 4, 5, 3, 6, 7];
 #[must_use]
 pub fn chart(
     scene: &Scene,
-    look: &Look,
+    look: &ObservationSettings,
     found: &Continuation,
     known: Option<&Bistability>,
 ) -> Chart {
-    let ways = [("µ rising", Way::Rising, 0), ("µ falling", Way::Falling, 1)];
-    let series = |value: fn(&Ending) -> f64| {
-        let curve = |(label, way, colour): &(&str, Way, usize)| Series {
+    let ways = [("µ rising", SweepDirection::Rising, 0), ("µ falling", SweepDirection::Falling, 1)];
+    let series = |value: fn(&LongTermMotion) -> f64| {
+        let curve = |(label, way, colour): &(&str, SweepDirection, usize)| Series {
             label: Some((*label).to_owned()),
             points: curve(found, *way, value),
             colour: *colour,
-            style: if *way == Way::Rising { Style::Line } else { Style::Dashed },
+            style: if *way == SweepDirection::Rising { Style::Line } else { Style::Dashed },
             ..Series::default()
         };
         ways.iter().map(curve).collect::<Vec<Series>>()
@@ -79,19 +81,23 @@ pub fn chart(
 }
 
 /// The values whose runs have not failed, with the motions in which they end.
-fn endings(points: &[Point]) -> Vec<(f64, &Ending)> {
+fn endings(points: &[Point]) -> Vec<(f64, &LongTermMotion)> {
     points.iter().filter_map(|point| Some((point.friction, point.ending.as_ref().ok()?))).collect()
 }
 
 /// A value of one way over µ, with what was found at both bounds of its jumps. The curve is broken at jumps, where a
 /// value has failed, and where a motion had not settled. Beyond the end of a motion that was followed no farther the way has
 /// other motions, which no line joins to that end.
-fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64; 2]> {
+fn curve(
+    found: &Continuation,
+    way: SweepDirection,
+    value: fn(&LongTermMotion) -> f64,
+) -> Vec<[f64; 2]> {
     let points = match way {
-        Way::Rising => &found.rising,
-        Way::Falling => &found.falling,
+        SweepDirection::Rising => &found.rising,
+        SweepDirection::Falling => &found.falling,
     };
-    let seen = |ending: &Ending| {
+    let seen = |ending: &LongTermMotion| {
         let is_seen =
             ending.kind != Kind::Unbounded && (ending.kind != Kind::Unsettled || ending.rests());
         if is_seen { value(ending) } else { f64::NAN }
@@ -113,10 +119,10 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
 /// `true` if the motion at the nearest value beyond a jump is rest.
 fn rests_beyond(points: &[Point], jump: &Jump) -> bool {
     let nearest = match jump.way {
-        Way::Rising => points.iter().find(|point| point.friction > jump.at()),
-        Way::Falling => points.iter().rev().find(|point| point.friction < jump.at()),
+        SweepDirection::Rising => points.iter().find(|point| point.friction > jump.at()),
+        SweepDirection::Falling => points.iter().rev().find(|point| point.friction < jump.at()),
     };
-    nearest.and_then(|point| point.ending.as_ref().ok()).is_some_and(Ending::rests)
+    nearest.and_then(|point| point.ending.as_ref().ok()).is_some_and(LongTermMotion::rests)
 }
 
 /// The label of a crossing of uniform sliding.
@@ -131,7 +137,7 @@ pub fn turn(becomes_unstable: bool) -> &'static str {
 
 /// Describes the motion at a jump, which may not have settled.
 #[must_use]
-pub fn describe(ending: &Ending) -> &'static str {
+pub fn describe(ending: &LongTermMotion) -> &'static str {
     match ending.kind {
         Kind::Unsettled if ending.rests() => "decaying motion",
         Kind::Unsettled if ending.rate > 0.0 => "growing motion",

@@ -1,6 +1,6 @@
 //! Marks of motions by kind.
 
-use amontons_analysis::study::{Ending, Kind};
+use amontons_analysis::study::{Kind, LongTermMotion};
 use amontons_pictures::picture::{Marker, Series, Style};
 
 /// The mark of each kind of motion that has an amplitude.
@@ -15,11 +15,11 @@ const MARKS: [(Kind, Marker); 6] = [
 
 /// A mark for each value of each curve, at the amplitude of its motion and by its kind; the legend lists each kind
 /// once.
-pub fn marks(curves: &[Vec<(f64, &Ending)>]) -> Vec<Series> {
+pub fn marks(curves: &[Vec<(f64, &LongTermMotion)>]) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     for (colour, curve) in curves.iter().enumerate() {
         for (kind, marker) in MARKS {
-            let is_kind = |ending: &Ending| {
+            let is_kind = |ending: &LongTermMotion| {
                 if ending.rests() { kind == Kind::Equilibrium } else { ending.kind == kind }
             };
             let of_kind = curve.iter().filter(|(_, ending)| is_kind(ending));
@@ -38,6 +38,6 @@ pub fn marks(curves: &[Vec<(f64, &Ending)>]) -> Vec<Series> {
 }
 
 /// The amplitude that a picture shows: zero for motions at rest or decaying to rest.
-pub fn amplitude(ending: &Ending) -> f64 {
+pub fn amplitude(ending: &LongTermMotion) -> f64 {
     if ending.rests() { 0.0 } else { ending.amplitude }
 }

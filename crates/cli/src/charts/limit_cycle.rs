@@ -5,7 +5,7 @@ use amontons::contact::ContactState;
 use amontons::numerics::range;
 use amontons::scene::Scene;
 use amontons_analysis::study::{
-    Ending, Kind, LimitCycles, MotionBracket, Outcome, Portrait, Question, output, unit,
+    Kind, LimitCycles, LongTermMotion, MotionBracket, Outcome, Portrait, Question, output, unit,
 };
 use amontons_analysis::sweep::axis;
 use amontons_pictures::picture::{Chart, Mark, Panel, Series, Style};
@@ -61,7 +61,7 @@ impl Results<'_> {
         frequency.iter_mut().for_each(|series| series.style = Style::Dots);
         let is_taken = |&state: &usize| {
             self.outcomes().any(
-                |(_, outcome)| matches!(outcome, Outcome::Ending(ending) if ending.taken[state]),
+                |(_, outcome)| matches!(outcome, Outcome::LongTermMotion(ending) if ending.taken[state]),
             )
         };
         let states = (0..4).filter(is_taken).map(|state| {
@@ -90,7 +90,7 @@ impl Results<'_> {
         &self,
         label: Option<&str>,
         colour: usize,
-        quantity: impl Fn(&Ending) -> Option<f64>,
+        quantity: impl Fn(&LongTermMotion) -> Option<f64>,
     ) -> Vec<Series> {
         let (mut settled, mut left) = (Vec::new(), Vec::new());
         let mut moved = None;
@@ -100,7 +100,7 @@ impl Results<'_> {
                 settled.push([value, f64::NAN]);
             }
             moved = moves;
-            let Outcome::Ending(ending) = outcome else { continue };
+            let Outcome::LongTermMotion(ending) = outcome else { continue };
             let point = [value, quantity(ending).unwrap_or(f64::NAN)];
             if moves.is_some() { settled.push(point) } else { left.push(point) }
         }

@@ -4,12 +4,17 @@ use super::attractor::{four_digits, unit_of, words};
 use amontons::numerics::range;
 use amontons::scene::Scene;
 use amontons_analysis::study::perturbation::{Direction, Perturbations, Run, Threshold};
-use amontons_analysis::study::{Look, history};
+use amontons_analysis::study::{ObservationSettings, history};
 use amontons_pictures::picture::{Chart, Mark, Marker, Panel, Series, Style};
 
 /// Final amplitude over the initial perturbation.
 #[must_use]
-pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) -> Chart {
+pub fn endings(
+    scene: &Scene,
+    direction: &Direction,
+    look: &ObservationSettings,
+    found: &Perturbations,
+) -> Chart {
     let unit = unit_of(scene, &look.of);
     let points = |attractor: Option<usize>| {
         let runs = found.runs.iter().filter(|run| run.attractor == attractor);
@@ -63,7 +68,7 @@ pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Pertur
 pub fn histories(
     scene: &Scene,
     direction: &Direction,
-    look: &Look,
+    look: &ObservationSettings,
     (found, threshold): (&Perturbations, &Threshold),
     is_over: &dyn Fn() -> bool,
 ) -> Result<Option<Chart>, amontons::Error> {

@@ -4,7 +4,7 @@ use amontons::contact::ContactState;
 use amontons::numerics::max_norm;
 use amontons::scene::Scene;
 use amontons_analysis::study::transient::{Band, Finding, Phase, Transient};
-use amontons_pictures::picture::{Chart, Class, Lane, Panel, Raster, Series, Stretch, Style};
+use amontons_pictures::picture::{Chart, Class, Lane, LaneInterval, Panel, Raster, Series, Style};
 use std::f64::consts::TAU;
 
 /// Number of pieces of a curve with many values; each is drawn by its extrema.
@@ -186,12 +186,12 @@ fn states(found: &Transient) -> Option<Panel> {
     let mut kinds: Vec<&[ContactState]> = Vec::new();
     let mut lanes = Vec::new();
     for course in courses {
-        let stretch = |stretch: &amontons_analysis::study::transient::Stretch| Stretch {
+        let stretch = |stretch: &amontons_analysis::study::transient::Interval| LaneInterval {
             from: stretch.from,
             to: stretch.to,
             class: 0,
         };
-        let mut stretches: Vec<Stretch> = course.stretches.iter().map(stretch).collect();
+        let mut stretches: Vec<LaneInterval> = course.stretches.iter().map(stretch).collect();
         for (drawn, stretch) in stretches.iter_mut().zip(&course.stretches) {
             let known = kinds.iter().position(|kind| *kind == &stretch.states[..]);
             drawn.class = known.unwrap_or(kinds.len());

@@ -5,7 +5,7 @@ use crate::program::{assert_refused, folder, run, text};
 use amontons::contact::ContactState;
 use amontons::scene::{Method, Preset, Scene, Selection, builtin, parse};
 use amontons::simulation::Simulation;
-use amontons_analysis::accuracy::{Row, Rung, Study, dof_named};
+use amontons_analysis::accuracy::{ConvergenceStudy, Row, StepCandidate, dof_named};
 use amontons_analysis::watch::Watch;
 use serde_json::Value;
 use std::path::Path;
@@ -37,24 +37,24 @@ fn set1(stop: f64) -> Scene {
     scene
 }
 
-fn study(scene: &Scene) -> Study {
-    Study::new(scene, None, Watch::IDLE).unwrap().unwrap()
+fn study(scene: &Scene) -> ConvergenceStudy {
+    ConvergenceStudy::new(scene, None, Watch::IDLE).unwrap().unwrap()
 }
 
-fn row(study: &Study, rung: Rung) -> Row {
-    study.row(rung, Watch::IDLE).unwrap().unwrap()
+fn row(study: &ConvergenceStudy, candidate: StepCandidate) -> Row {
+    study.row(candidate, Watch::IDLE).unwrap().unwrap()
 }
 
-fn scheme(study: &Study) -> Vec<Rung> {
-    let ladder = study.ladder().into_iter();
-    ladder.filter(|rung| rung.method == Method::ForwardIncrement).collect()
+fn scheme(study: &ConvergenceStudy) -> Vec<StepCandidate> {
+    let ladder = study.step_sizes().into_iter();
+    ladder.filter(|candidate| candidate.method == Method::ForwardIncrement).collect()
 }
 
 #[test]
 fn the_papers_scheme_is_of_first_order_on_set_1() {
     let study = study(&set1(0.25));
-    let short = scheme(&study).into_iter().filter(|rung| rung.step < 3e-6);
-    let rows: Vec<Row> = short.map(|rung| row(&study, rung)).collect();
+    let short = scheme(&study).into_iter().filter(|candidate| candidate.step < 3e-6);
+    let rows: Vec<Row> = short.map(|candidate| row(&study, candidate)).collect();
     assert!(rows.len() >= 5 && rows.iter().all(|row| row.events_more == 0));
     assert!(rows[0].statistics.state_changes() > 40, "{:?}", rows[0]);
     for two in rows.windows(2) {
@@ -62,11 +62,12 @@ fn the_papers_scheme_is_of_first_order_on_set_1() {
         assert!((0.9..1.1).contains(&order), "{order} {two:?}");
         // So are the times of events.
         let times = two.iter().map(|row| row.errors.event_time.unwrap()).collect::<Vec<f64>>();
-        let steps = two[0].rung.step / two[1].rung.step;
+        let steps = two[0].candidate.step / two[1].candidate.step;
         assert!((0.8..1.2).contains(&((times[0] / times[1]).ln() / steps.ln())), "{times:?}");
     }
     // None of a row against another method's.
-    let event_driven = study.ladder().into_iter().find(|rung| rung.method == Method::EventDriven);
+    let event_driven =
+        study.step_sizes().into_iter().find(|candidate| candidate.method == Method::EventDriven);
     let event_driven = row(&study, event_driven.unwrap());
     assert_eq!(study.order(&rows[0], &event_driven), None);
     assert!(event_driven.errors.rms.unwrap() < 1e-10 && event_driven.events_more == 0);
@@ -91,11 +92,13 @@ fn the_rms_error_is_the_one_computed_by_hand() {
         let mean = exact.iter().map(|x| x[dof]).sum::<f64>() / 501.0;
         variance += exact.iter().map(|x| (x[dof] - mean).powi(2)).sum::<f64>();
     }
-    for rung in scheme(&study).into_iter().filter(|rung| (1e-6..2e-5).contains(&rung.step)) {
-        let run = trajectory(Method::ForwardIncrement, rung.step);
+    for candidate in
+        scheme(&study).into_iter().filter(|candidate| (1e-6..2e-5).contains(&candidate.step))
+    {
+        let run = trajectory(Method::ForwardIncrement, candidate.step);
         let squares = run.iter().zip(&exact).flat_map(|(a, b)| a.iter().zip(b));
         let error = (squares.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / variance).sqrt();
-        let found = row(&study, rung).errors.rms.unwrap();
+        let found = row(&study, candidate).errors.rms.unwrap();
         assert!((found / error - 1.0).abs() < 1e-6, "{found} {error}");
     }
 }
@@ -123,7 +126,10 @@ fn an_event_is_found_where_its_closed_form_has_it() {
     // The scheme has it at the end of a step.
     let row = row(&study, scheme(&study)[3]);
     let error = row.errors.largest_event_time.unwrap();
-    assert!(error < 3.0 * row.rung.step && error > study.floor().event_time.unwrap(), "{row:?}");
+    assert!(
+        error < 3.0 * row.candidate.step && error > study.floor().event_time.unwrap(),
+        "{row:?}"
+    );
 }
 
 #[test]
@@ -161,9 +167,9 @@ fn a_preset_of_the_scene_changes_nothing_in_a_study() {
     let given = study(&scene);
     scene.selection = Selection::Preset(Preset::Preview);
     let chosen = study(&scene);
-    let rung = scheme(&given)[4];
-    assert_eq!(row(&given, rung), row(&chosen, rung));
-    assert_eq!((given.floor(), given.ladder()), (chosen.floor(), chosen.ladder()));
+    let candidate = scheme(&given)[4];
+    assert_eq!(row(&given, candidate), row(&chosen, candidate));
+    assert_eq!((given.floor(), given.step_sizes()), (chosen.floor(), chosen.step_sizes()));
 }
 
 /// A mass on a spring that slides on a belt, with a sine on this input.
@@ -180,8 +186,9 @@ fn sliding(input: &str) -> Scene {
 fn a_force_that_curves_within_a_step_costs_exact_motion_nothing() {
     let study = study(&sliding("mass.a.fx"));
     assert!(study.floor().rms.unwrap() < 1e-12, "{:?}", study.floor());
-    let ladder = study.ladder().into_iter().filter(|rung| rung.method == Method::EventDriven);
-    for row in ladder.map(|rung| row(&study, rung)) {
+    let ladder =
+        study.step_sizes().into_iter().filter(|candidate| candidate.method == Method::EventDriven);
+    for row in ladder.map(|candidate| row(&study, candidate)) {
         assert!(row.errors.rms.unwrap() < 1e-12, "{row:?}");
     }
 }
@@ -191,8 +198,9 @@ fn a_friction_that_changes_costs_first_order_and_the_reference_is_refined() {
     let study = study(&sliding("friction.coefficient"));
     assert!(study.floor().rms.unwrap() < 1e-5, "{:?}", study.floor());
     assert!(study.reference_step() < 1e-4, "{}", study.reference_step());
-    let ladder = study.ladder().into_iter().filter(|rung| rung.method == Method::EventDriven);
-    let rows: Vec<Row> = ladder.map(|rung| row(&study, rung)).collect();
+    let ladder =
+        study.step_sizes().into_iter().filter(|candidate| candidate.method == Method::EventDriven);
+    let rows: Vec<Row> = ladder.map(|candidate| row(&study, candidate)).collect();
     for two in rows.windows(2) {
         let order = study.order(&two[0], &two[1]).unwrap();
         assert!((0.9..1.1).contains(&order), "{order} {two:?}");
@@ -214,7 +222,9 @@ fn no_step_is_above_the_critical_one_and_a_method_without_one_is_left_out() {
     let study_1 = study(&coarse);
     let critical = study_1.critical_step().unwrap().step;
     let rungs = scheme(&study_1);
-    assert!(rungs.iter().all(|rung| rung.step <= critical) && rungs[0].step > 0.5 * critical);
+    assert!(
+        rungs.iter().all(|candidate| candidate.step <= critical) && rungs[0].step > 0.5 * critical
+    );
 
     // Seven contacts in a stack share masses and may jam, so no critical step is known.
     let mut text = String::from(
@@ -233,7 +243,7 @@ fn no_step_is_above_the_critical_one_and_a_method_without_one_is_left_out() {
     text += "[[initial]]\nmass = \"m6\"\nvx = 0.2\n";
     let study = study(&parse("stack", &text).unwrap());
     assert!(study.critical_step().is_err());
-    assert!(!study.ladder().is_empty() && scheme(&study).is_empty());
+    assert!(!study.step_sizes().is_empty() && scheme(&study).is_empty());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use amontons::scene::{Scene, builtin, parse};
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::basin::{Axis, Basin, Coverage, basin};
 use amontons_analysis::study::perturbation::{Direction, perturbation};
-use amontons_analysis::study::{Journal, Kind, Look, Watch, Wish};
+use amontons_analysis::study::{Journal, Kind, ObservationRequest, ObservationSettings, Watch};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -32,8 +32,8 @@ fn axis(name: &str, last: f64, count: u32) -> Axis {
 }
 
 fn of(scene: &Scene, axes: [&Axis; 2], coverage: Coverage) -> Basin {
-    let look = Look::of(scene, &Wish::default()).unwrap();
-    basin(scene, axes, &look, coverage, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
+    let observation = ObservationSettings::of(scene, &ObservationRequest::default()).unwrap();
+    basin(scene, axes, &observation, coverage, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
 /// The kind of motion of each cell, in rows.
@@ -105,9 +105,10 @@ fn a_row_of_the_plane_ends_as_its_points_do_by_themselves() {
     assign(&mut scene, V2, y.values[2]).unwrap();
     let direction =
         Direction { name: x.name.clone(), amplitudes: x.values.clone(), resolution: 0.99 };
-    let look = Look::of(&scene, &Wish::default()).unwrap();
+    let observation = ObservationSettings::of(&scene, &ObservationRequest::default()).unwrap();
     let journal = Journal::forgotten();
-    let single = perturbation(&scene, &direction, &look, &journal, Watch::IDLE).unwrap().unwrap();
+    let single =
+        perturbation(&scene, &direction, &observation, &journal, Watch::IDLE).unwrap().unwrap();
     for (value, kind) in x.values.iter().zip(&kinds(&plane)[2]) {
         let run = single.runs.iter().find(|run| run.amplitude == *value).unwrap();
         assert_eq!(run.ending.as_ref().unwrap().kind, *kind, "{value}");

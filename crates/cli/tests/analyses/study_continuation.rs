@@ -4,26 +4,26 @@ use crate::driven_block::driven_block;
 use crate::program;
 use amontons::model::LumpedModel;
 use amontons::scene::{Method, Scene, builtin, parse};
-use amontons_analysis::accuracy::Study;
+use amontons_analysis::accuracy::ConvergenceStudy;
 use amontons_analysis::assign::assign;
 use amontons_analysis::stability::candidates::bistability;
 use amontons_analysis::study::{
-    Continuation, Journal, Jump, Kind, Look, Plan, Point, Push, Watch, Way, Wish, continuation,
-    pace,
+    Continuation, Journal, Jump, Kind, ObservationRequest, ObservationSettings, Plan, Point, Push,
+    SweepDirection, Watch, continuation, pace,
 };
 use std::f64::consts::TAU;
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A built-in scene as studies move it, or by the paper's scheme with a step, s.
-fn moved(name: &str, step: Option<f64>) -> (Scene, Look) {
+fn moved(name: &str, step: Option<f64>) -> (Scene, ObservationSettings) {
     let mut scene = builtin(name).unwrap().scene();
-    let look = Look::of(&scene, &Wish::default()).unwrap();
+    let observation = ObservationSettings::of(&scene, &ObservationRequest::default()).unwrap();
     match step {
         Some(step) => (scene.method, scene.step) = (Method::ForwardIncrement, step),
-        None => pace(&mut scene, &look),
+        None => pace(&mut scene, &observation),
     }
-    (scene, look)
+    (scene, observation)
 }
 
 fn hundredths(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
@@ -31,21 +31,22 @@ fn hundredths(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
 }
 
 fn followed(
-    (scene, look): &(Scene, Look),
+    (scene, observation): &(Scene, ObservationSettings),
     values: &[f64],
     resolution: f64,
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Option<Continuation> {
-    let plan = Plan { scene, look, values, resolution, push: Push::of(scene), candidates: &[] };
+    let plan =
+        Plan { scene, observation, values, resolution, push: Push::of(scene), candidates: &[] };
     continuation(&plan, journal, watch).unwrap()
 }
 
-fn whole(moved: &(Scene, Look), values: &[f64], resolution: f64) -> Continuation {
+fn whole(moved: &(Scene, ObservationSettings), values: &[f64], resolution: f64) -> Continuation {
     followed(moved, values, resolution, &Journal::forgotten(), Watch::IDLE).unwrap()
 }
 
-fn only(jumps: &[Jump], way: Way) -> &Jump {
+fn only(jumps: &[Jump], way: SweepDirection) -> &Jump {
     let mut of_way = jumps.iter().filter(|jump| jump.way == way);
     let (Some(jump), None) = (of_way.next(), of_way.next()) else { panic!("{jumps:?}") };
     jump
@@ -58,8 +59,9 @@ fn only(jumps: &[Jump], way: Way) -> &Jump {
 fn the_scenes_own_start_is_tried_beside_a_driven_motion_as_it_is_beside_rest() {
     let mut scene = driven_block(0.15, 1.2687);
     assign(&mut scene, "initial.mass.p.vx", 0.3).unwrap();
-    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
-    let found = whole(&(scene, look), &[0.38, 0.4, 0.55], 0.02);
+    let observation =
+        ObservationSettings::paced(&mut scene, &ObservationRequest::default()).unwrap();
+    let found = whole(&(scene, observation), &[0.38, 0.4, 0.55], 0.02);
     let forced = |point: &Point| (amplitude(point) / 4.0990e-3 - 1.0).abs() < 1e-3;
     assert!(found.rising.iter().all(forced), "{:?}", found.rising);
     // The farther µ is below 0.6, at which friction lets go, the farther the block springs back.
@@ -103,8 +105,9 @@ fn each_motion_that_the_scenes_own_start_leads_to_is_followed() {
         experiment = { stop_time = 20.0, output_interval = 0.01 }
     "#;
     let mut scene = parse("two", text).unwrap();
-    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
-    let found = whole(&(scene, look), &[0.2, 0.3, 0.4, 0.5], 1e-3);
+    let observation =
+        ObservationSettings::paced(&mut scene, &ObservationRequest::default()).unwrap();
+    let found = whole(&(scene, observation), &[0.2, 0.3, 0.4, 0.5], 1e-3);
     let sizes: Vec<f64> = found.falling.iter().map(amplitude).collect();
     for (size, expected) in sizes.iter().zip([16.777e-3, 7.007e-3]) {
         assert!((size / expected - 1.0).abs() < 1e-3, "{sizes:?}");
@@ -141,9 +144,10 @@ fn motions_are_followed_beyond_the_jumps_that_lead_to_them() {
         preload = 4.5e-3
     "#;
     let mut scene = parse("ring", text).unwrap();
-    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
+    let observation =
+        ObservationSettings::paced(&mut scene, &ObservationRequest::default()).unwrap();
     for values in [&[1.0, 1.05][..], &[1.0, 1.02, 1.05]] {
-        let found = whole(&(scene.clone(), look.clone()), values, 1e-3);
+        let found = whole(&(scene.clone(), observation.clone()), values, 1e-3);
         let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
         assert!(range.rests && range.range == [1.0, 1.05], "{range:?}");
         let last = amplitude(&found.falling[values.len() - 1]);
@@ -188,9 +192,13 @@ fn a_cycle_ends_where_it_grazes_sticking_whatever_the_grid_and_the_window() {
     assert!((low - 0.162_098_75).abs() < 1e-8, "{low}");
     for (window, values) in [(None, [0.16, 0.1615, 0.163]), (Some(7.0), [0.11, 0.14, 0.17])] {
         let mut scene = parse("block", text).unwrap();
-        let look = Look::paced(&mut scene, &Wish { window, ..Wish::default() }).unwrap();
-        let found = whole(&(scene, look), &values, 1e-5);
-        let jump = only(&found.jumps, Way::Rising);
+        let observation = ObservationSettings::paced(
+            &mut scene,
+            &ObservationRequest { window, ..ObservationRequest::default() },
+        )
+        .unwrap();
+        let found = whole(&(scene, observation), &values, 1e-5);
+        let jump = only(&found.jumps, SweepDirection::Rising);
         assert!((jump.at() - low).abs() < 1e-6, "{jump:?} {low}");
         assert!(jump.endings[1].rests() && only_way(&found.jumps), "{:?}", found.jumps);
     }
@@ -222,9 +230,12 @@ fn a_jump_between_cycles_that_look_alike_is_found_where_both_ways_have_their_own
     "#;
     for values in [[0.625, 0.63, 0.635, 0.64], [0.622, 0.632, 0.642, 0.65]] {
         let mut scene = parse("pad", text).unwrap();
-        let look = Look::paced(&mut scene, &Wish::default()).unwrap();
-        let found = whole(&(scene, look), &values, 5e-5);
-        for (way, at) in [(Way::Rising, 0.636_838_2), (Way::Falling, 0.626_972_4)] {
+        let observation =
+            ObservationSettings::paced(&mut scene, &ObservationRequest::default()).unwrap();
+        let found = whole(&(scene, observation), &values, 5e-5);
+        for (way, at) in
+            [(SweepDirection::Rising, 0.636_838_2), (SweepDirection::Falling, 0.626_972_4)]
+        {
             let jump = only(&found.jumps, way);
             assert!((jump.at() - at).abs() < 5e-6, "{jump:?}");
             // A 256th of the resolution.
@@ -237,7 +248,7 @@ fn a_jump_between_cycles_that_look_alike_is_found_where_both_ways_have_their_own
 
 /// `true` if no jump is one of falling µ.
 fn only_way(jumps: &[Jump]) -> bool {
-    jumps.iter().all(|jump| jump.way == Way::Rising)
+    jumps.iter().all(|jump| jump.way == SweepDirection::Rising)
 }
 
 fn amplitude(point: &Point) -> f64 {
@@ -257,7 +268,7 @@ fn set_2_has_rest_and_a_cycle_side_by_side_up_to_where_its_eigenvalues_say() {
     let [onset] = &known.uniform[..] else { panic!("{:?}", known.uniform) };
     assert!((rest.range[1] - onset.value).abs() <= 1e-4, "{} {}", rest.range[1], onset.value);
     // The cycle ends in rest.
-    let jump = only(&found.jumps, Way::Falling);
+    let jump = only(&found.jumps, SweepDirection::Falling);
     // So near to its end it may take longer to settle than it is given; but it moves on, and sticks.
     assert!(!jump.endings[0].rests() && jump.endings[0].taken[2] && jump.endings[1].rests());
     assert_eq!(rest.range[0], jump.at());
@@ -272,7 +283,8 @@ fn set_1_has_two_branches_near_2_with_hysteresis() {
     let found = whole(&moved("set1", None), &hundredths(202..=206), 1e-4);
     let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
     assert!(!range.rests && range.bounded == [true; 2]);
-    let (up, down) = (only(&found.jumps, Way::Rising), only(&found.jumps, Way::Falling));
+    let (up, down) =
+        (only(&found.jumps, SweepDirection::Rising), only(&found.jumps, SweepDirection::Falling));
     assert!(down.at() < up.at());
     assert_eq!(range.range, [down.at(), up.at()]);
     // At the very end of a branch motions converge so slowly that their kind may stay undecided; beside it they do not.
@@ -308,19 +320,19 @@ fn a_range_narrower_than_two_resolutions_is_told() {
 fn said_error(scene: &Scene, step: f64) -> f64 {
     let mut scene = scene.clone();
     scene.experiment.stop_time = 1.0;
-    let study = Study::new(&scene, None, Watch::IDLE).unwrap().unwrap();
-    let is_it = |rung: &amontons_analysis::accuracy::Rung| {
-        rung.method == Method::ForwardIncrement && (rung.step / step - 1.0).abs() < 1e-9
+    let study = ConvergenceStudy::new(&scene, None, Watch::IDLE).unwrap().unwrap();
+    let is_it = |candidate: &amontons_analysis::accuracy::StepCandidate| {
+        candidate.method == Method::ForwardIncrement && (candidate.step / step - 1.0).abs() < 1e-9
     };
-    let rung = study.ladder().into_iter().find(is_it).expect("the ladder has it");
-    study.row(rung, Watch::IDLE).unwrap().unwrap().errors.amplitude.unwrap()
+    let candidate = study.step_sizes().into_iter().find(is_it).expect("the ladder has it");
+    study.row(candidate, Watch::IDLE).unwrap().unwrap().errors.amplitude.unwrap()
 }
 
 #[test]
 fn both_integrators_have_the_jump_of_set_2_but_for_the_error_of_the_step() {
     let values = hundredths(191..=196);
     let jump = |step: Option<f64>| {
-        only(&whole(&moved("set2", step), &values, 1e-6).jumps, Way::Falling).at()
+        only(&whole(&moved("set2", step), &values, 1e-6).jumps, SweepDirection::Falling).at()
     };
     let exact = jump(None);
     let [coarse, fine] = [2e-5, 1e-5].map(|step| jump(Some(step)) - exact);
@@ -334,30 +346,30 @@ fn both_integrators_have_the_jump_of_set_2_but_for_the_error_of_the_step() {
 fn rest_stays_rest_when_only_rounding_is_left_of_it() {
     // Windows of 8 s: at each value the motion falls far below 1e-16 m.
     let mut set2 = moved("set2", None);
-    let wish = Wish { window: Some(8.0), ..Wish::default() };
-    set2.1 = Look::of(&set2.0, &wish).unwrap();
+    let request = ObservationRequest { window: Some(8.0), ..ObservationRequest::default() };
+    set2.1 = ObservationSettings::of(&set2.0, &request).unwrap();
     let found = whole(&set2, &[1.6, 1.7, 1.8], 1e-3);
     for point in &found.rising {
         assert_eq!(point.ending.as_ref().unwrap().kind, Kind::Equilibrium, "{point:?}");
     }
-    assert_eq!(found.jumps.iter().filter(|jump| jump.way == Way::Rising).count(), 0);
+    assert_eq!(found.jumps.iter().filter(|jump| jump.way == SweepDirection::Rising).count(), 0);
 }
 
 #[test]
 fn jumps_do_not_depend_on_the_output_that_is_looked_at() {
     let values = hundredths(192..=195);
     let mut set2 = moved("set2", None);
-    let expected = only(&whole(&set2, &values, 1e-3).jumps, Way::Falling).between;
+    let expected = only(&whole(&set2, &values, 1e-3).jumps, SweepDirection::Falling).between;
     // The gap of a contact that never opens is zero throughout.
-    let wish = Wish { of: Some("module[1].x4"), ..Wish::default() };
-    set2.1 = Look::of(&set2.0, &wish).unwrap();
-    assert_eq!(only(&whole(&set2, &values, 1e-3).jumps, Way::Falling).between, expected);
+    let request = ObservationRequest { of: Some("module[1].x4"), ..ObservationRequest::default() };
+    set2.1 = ObservationSettings::of(&set2.0, &request).unwrap();
+    assert_eq!(only(&whole(&set2, &values, 1e-3).jumps, SweepDirection::Falling).between, expected);
 }
 
 #[test]
 fn a_jump_is_bisected_no_further_than_doubles_go() {
     let found = whole(&moved("set2", None), &[1.92, 1.95], 1e-300);
-    let [a, b] = only(&found.jumps, Way::Falling).between;
+    let [a, b] = only(&found.jumps, SweepDirection::Falling).between;
     assert!((a - b).abs() <= f64::EPSILON * 2.0, "{a} {b}");
 }
 
@@ -393,8 +405,9 @@ fn rest_is_looked_for_where_all_motions_that_were_met_are_cycles() {
         initial = [{ mass = "m", vx = 0.1 }]
     "#;
     let mut scene = parse("belt", text).unwrap();
-    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
-    let found = whole(&(scene, look), &[0.3, 0.36, 0.42], 6e-4);
+    let observation =
+        ObservationSettings::paced(&mut scene, &ObservationRequest::default()).unwrap();
+    let found = whole(&(scene, observation), &[0.3, 0.36, 0.42], 6e-4);
     assert!(found.rising.iter().chain(&found.falling).all(|point| amplitude(point) > 1e-2));
     let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
     // 10 N (µ_s − µ) exp(−v / v_s) / v_s is the damper's 3 N s/m.
@@ -422,8 +435,9 @@ fn no_second_motion_is_denied_where_one_has_not_settled() {
         initial = [{ mass = "b", vx = 0.4 }]
         "#;
     let mut scene = parse("block", text).unwrap();
-    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
-    let found = whole(&(scene, look), &[0.3, 0.35], 5e-4);
+    let observation =
+        ObservationSettings::paced(&mut scene, &ObservationRequest::default()).unwrap();
+    let found = whole(&(scene, observation), &[0.3, 0.35], 5e-4);
     let ranges = found.bistable.iter().map(|both| both.range).chain(found.unknown.iter().copied());
     let covers = |[low, high]: [f64; 2]| low < 0.315 && 0.315 < high;
     assert!(ranges.clone().any(covers), "{:?} {:?}", found.bistable, found.unknown);
@@ -441,14 +455,14 @@ fn what_only_rests_has_an_answer_without_jumps() {
 #[test]
 fn where_sliding_jams_a_way_ends_with_the_reason() {
     // On a slider that slopes the other way friction draws the masses into it.
-    let (mut scene, look) = moved("set2", None);
+    let (mut scene, observation) = moved("set2", None);
     assign(&mut scene, "slider.angle", -0.5).unwrap();
     let jams = |mu: f64| {
         let scene = Scene { friction_coefficient: mu, ..scene.clone() };
         amontons::assembly::equilibrium(&scene, &LumpedModel::from(&scene)).is_err()
     };
     assert!(!jams(1.0) && jams(4.0));
-    let found = whole(&(scene, look), &[1.0, 4.0], 1e-3);
+    let found = whole(&(scene, observation), &[1.0, 4.0], 1e-3);
     // Downwards it cannot even start.
     let [first] = &found.falling[..] else { panic!("{:?}", found.falling) };
     assert!(first.friction == 4.0 && first.ending.is_err());

@@ -6,7 +6,8 @@ use amontons::scene::{Method, Scene, builtin};
 use amontons::simulation::Simulation;
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::{
-    Change, Ending, Journal, Kind, LimitCycles, Look, Question, Watch, Wish, limit_cycles,
+    Change, Journal, Kind, LimitCycles, LongTermMotion, ObservationRequest, ObservationSettings,
+    Question, Watch, limit_cycles,
 };
 use std::f64::consts::PI;
 use std::fs;
@@ -30,9 +31,9 @@ fn study(scene: &Scene, name: &str, values: &[f64], step: Option<f64>) -> LimitC
     let prepare = |scene: &mut Scene| {
         if let Some(step) = step {
             (scene.method, scene.step) = (Method::ForwardIncrement, step);
-            return Look::of(scene, &Wish::default());
+            return ObservationSettings::of(scene, &ObservationRequest::default());
         }
-        Look::paced(scene, &Wish::default())
+        ObservationSettings::paced(scene, &ObservationRequest::default())
     };
     let question = Question {
         name: name.to_owned(),
@@ -44,11 +45,11 @@ fn study(scene: &Scene, name: &str, values: &[f64], step: Option<f64>) -> LimitC
     limit_cycles(scene, &prepare, &question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
-fn endings(found: &LimitCycles) -> Vec<&Ending> {
+fn endings(found: &LimitCycles) -> Vec<&LongTermMotion> {
     found.outcomes.iter().map(|outcome| outcome.settled().expect("all settle")).collect()
 }
 
-fn assert_takes(ending: &Ending, states: &[ContactState]) {
+fn assert_takes(ending: &LongTermMotion, states: &[ContactState]) {
     let taken: Vec<ContactState> =
         ContactState::ALL.into_iter().filter(|state| ending.taken[*state as usize - 1]).collect();
     assert_eq!(taken, states, "{ending:?}");

@@ -7,21 +7,23 @@ use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::Simulation;
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::perturbation::{Direction, Perturbations, perturbation};
-use amontons_analysis::study::{Journal, Kind, Look, Watch, Wish, history, pace};
+use amontons_analysis::study::{
+    Journal, Kind, ObservationRequest, ObservationSettings, Watch, history, pace,
+};
 use std::process::Output;
 
 fn amontons(folder: &std::path::Path, arguments: &[&str]) -> Output {
     run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
 }
 
-fn looked(scene: &Scene) -> Look {
-    Look::of(scene, &Wish::default()).unwrap()
+fn looked(scene: &Scene) -> ObservationSettings {
+    ObservationSettings::of(scene, &ObservationRequest::default()).unwrap()
 }
 
 /// By exact motion.
 fn found(scene: &Scene, name: &str, amplitudes: &[f64], resolution: f64) -> Perturbations {
-    let (mut scene, look) = (scene.clone(), looked(scene));
-    pace(&mut scene, &look);
+    let (mut scene, observation) = (scene.clone(), looked(scene));
+    pace(&mut scene, &observation);
     assert_eq!(scene.method, Method::EventDriven);
     with_method(&scene, name, amplitudes, resolution)
 }
@@ -163,8 +165,8 @@ fn set2() -> Scene {
 /// linear, the push with which the slip velocity of one contact first vanishes.
 fn first_sticks() -> f64 {
     let (mut scene, small) = (set2(), 1e-4);
-    let look = looked(&scene);
-    pace(&mut scene, &look);
+    let observation = looked(&scene);
+    pace(&mut scene, &observation);
     assign(&mut scene, PUSHED, small).unwrap();
     let velocity = scene.slider.velocity;
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
@@ -192,10 +194,11 @@ fn a_small_push_of_set_2_decays_and_a_large_one_makes_it_squeal() {
 
     // Fig. 5: what is just below is soon smaller than it was, what is just above larger.
     let mut scene = set2();
-    let look = looked(&scene);
-    pace(&mut scene, &look);
+    let observation = looked(&scene);
+    pace(&mut scene, &observation);
     let largest = |amplitude: f64| {
-        let rows = history(&scene, (PUSHED, amplitude), &look, 8.0, &|| false).unwrap().unwrap();
+        let rows =
+            history(&scene, (PUSHED, amplitude), &observation, 8.0, &|| false).unwrap().unwrap();
         rows[rows.len() - 5000..].iter().fold(0.0, |most, x| f64::max(most, x.abs()))
     };
     assert!(largest(above) > 10.0 * largest(below));

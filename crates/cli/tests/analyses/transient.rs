@@ -6,7 +6,7 @@ use amontons::model::LumpedModel;
 use amontons::scene::{Experiment, Method, Scene, builtin, parse};
 use amontons::stability::Spectrum;
 use amontons_analysis::study::Watch;
-use amontons_analysis::study::transient::{Finding, Open, Transient, interval, transient};
+use amontons_analysis::study::transient::{Finding, OpenQuestion, Transient, interval, transient};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fs;
@@ -222,9 +222,8 @@ fn a_growth_after_a_knock_asks_for_a_longer_run() {
         r#"signal = [{ input = "mass.b1.fy", pulse = { value = 0.01, start = 0.3, end = 0.31 } }]"#;
     for stop_time in [0.66, 0.8, 0.88] {
         let found = found(&pair(knock), stop_time, None);
-        let grows =
-            |open: &&Open| matches!(open, Open::LessThanTenfold { phase, .. } if phase.rate > 0.0);
-        let Some(Open::LessThanTenfold { phase, stop_time: longer, .. }) =
+        let grows = |open: &&OpenQuestion| matches!(open, OpenQuestion::LessThanTenfold { phase, .. } if phase.rate > 0.0);
+        let Some(OpenQuestion::LessThanTenfold { phase, stop_time: longer, .. }) =
             found.open.iter().find(grows)
         else {
             panic!("{:?}", found.open)
@@ -233,7 +232,7 @@ fn a_growth_after_a_knock_asks_for_a_longer_run() {
         assert!((phase.frequency - GROWING[1]).abs() < 1e-3, "{phase:?}");
         assert!((0.3..0.32).contains(&phase.span[0]) && *longer < 1.0, "{phase:?} {longer}");
         // A growth beside a decay may end the decay before it is tenfold.
-        let beside = |open: &Open| matches!(open, Open::LessThanTenfold { phase, is_beside_growth: true, .. } if phase.rate < 0.0);
+        let beside = |open: &OpenQuestion| matches!(open, OpenQuestion::LessThanTenfold { phase, is_beside_growth: true, .. } if phase.rate < 0.0);
         assert!(found.open.iter().any(beside), "{:?}", found.open);
     }
     let found = found(&pair(knock), 0.95, None);
@@ -399,8 +398,9 @@ fn is_no_sum_of_itself(finding: &Finding) -> bool {
 fn a_run_of_a_single_period_asks_for_more_of_them() {
     let scene = scene("set1");
     let short = found(&scene, 5e-3, None);
-    let is_slow = |open: &&Open| matches!(open, Open::TooSlow { .. });
-    let Some(Open::TooSlow { frequency, stop_time, .. }) = short.open.iter().find(is_slow) else {
+    let is_slow = |open: &&OpenQuestion| matches!(open, OpenQuestion::TooSlow { .. });
+    let Some(OpenQuestion::TooSlow { frequency, stop_time, .. }) = short.open.iter().find(is_slow)
+    else {
         panic!("{:?}", short.open)
     };
     let model = LumpedModel::from(&scene);
@@ -433,9 +433,10 @@ fn a_run_that_is_too_short_says_which_would_do() {
     let scene = disc_brake(5e-5);
     let short = found(&scene, 5e-3, None);
     assert!(short.findings.iter().all(|finding| finding.phase.rate < 0.0), "{:?}", short.findings);
-    let grows =
-        |open: &&Open| matches!(open, Open::LessThanTenfold { phase, .. } if phase.rate > 0.0);
-    let Some(Open::LessThanTenfold { phase, stop_time, .. }) = short.open.iter().find(grows) else {
+    let grows = |open: &&OpenQuestion| matches!(open, OpenQuestion::LessThanTenfold { phase, .. } if phase.rate > 0.0);
+    let Some(OpenQuestion::LessThanTenfold { phase, stop_time, .. }) =
+        short.open.iter().find(grows)
+    else {
         panic!("{:?}", short.open)
     };
     assert!((phase.rate - fastest(&scene)[0]).abs() <= phase.rate_error, "{phase:?}");
@@ -588,7 +589,7 @@ fn a_decay_that_does_not_oscillate_is_found() {
     }
     // Over 0.05 s it falls to a third, which a longer run shows tenfold.
     let short = found(&creeping([0.01, 0.0]), 0.05, Some("mass.a.x"));
-    let [Open::LessThanTenfold { phase, stop_time, .. }] = &short.open[..] else {
+    let [OpenQuestion::LessThanTenfold { phase, stop_time, .. }] = &short.open[..] else {
         panic!("{:?}", short.open)
     };
     assert!(*stop_time > 2.3 / -slow && *stop_time < 2.7 / -slow, "{stop_time}");
@@ -626,8 +627,9 @@ fn a_mass_that_sticks_to_the_end_leaves_no_question() {
 #[test]
 fn a_run_too_short_for_a_mode_that_does_not_oscillate_asks_for_a_longer_one() {
     let short = found(&creeping([0.01, 0.0]), 0.02, Some("mass.a.x"));
-    let is_slow = |open: &&Open| matches!(open, Open::TooSlow { .. });
-    let Some(Open::TooSlow { frequency, stop_time, .. }) = short.open.iter().find(is_slow) else {
+    let is_slow = |open: &&OpenQuestion| matches!(open, OpenQuestion::TooSlow { .. });
+    let Some(OpenQuestion::TooSlow { frequency, stop_time, .. }) = short.open.iter().find(is_slow)
+    else {
         panic!("{:?}", short.open)
     };
     assert_eq!(*frequency, 0.0);

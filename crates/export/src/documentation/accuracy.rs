@@ -1,13 +1,17 @@
 //! The cost of accuracy, as a page in an FMU's documentation: one file, without scripts.
 
 use super::markup;
-use amontons_analysis::accuracy::{COLUMNS, LEGEND, Row, Study};
+use amontons_analysis::accuracy::{COLUMNS, ConvergenceStudy, LEGEND, Row};
 use amontons_pictures::report::{add, plain_table, text};
 
 /// The page: what `amontons accuracy` prints of a study, but for the times. `rows` come with the order of the
 /// error from the row before; `notes` are what is to be said beside those of the study.
 #[must_use]
-pub fn accuracy_page(study: &Study, rows: &[(Row, Option<f64>)], notes: &[String]) -> String {
+pub fn accuracy_page(
+    study: &ConvergenceStudy,
+    rows: &[(Row, Option<f64>)],
+    notes: &[String],
+) -> String {
     let title = study.title();
     let mut html = String::from("<header>\n");
     add(&mut html, format_args!("<h1>{}</h1>\n", text(&title)));

@@ -7,7 +7,7 @@
 use super::importing::first;
 use super::{can_squeal, counted};
 use amontons::model::Equilibrium;
-use amontons::scene::{Network, RubbingPlace, Scene, direction};
+use amontons::scene::{ContactDefinition, Network, Scene, direction};
 use amontons::simulation::catalogue::{Causality, Quantity, Variable};
 use amontons_pictures::picture::significant;
 
@@ -66,7 +66,7 @@ fn velocity_along<'a>(
 }
 
 /// The drive of a surface.
-struct Drive {
+struct SurfaceDrive {
     /// The inputs that it gives, in words.
     gives: String,
     /// The input of the drive, in words: the force of the contacts on it, along its velocity.
@@ -78,14 +78,14 @@ struct Drive {
 }
 
 /// The drives of a scene: that of the common slider, then those of surfaces that have velocities of their own.
-fn drives(scene: &Scene, start: &Equilibrium, variables: &[Variable]) -> Vec<Drive> {
+fn drives(scene: &Scene, start: &Equilibrium, variables: &[Variable]) -> Vec<SurfaceDrive> {
     let mut drives = Vec::new();
     let velocity = first(variables, Quantity::SliderVelocity, Causality::Input);
     let reaction = first(variables, Quantity::TangentialReaction, Causality::Output);
     if let (Some(velocity), Some(reaction)) = (velocity, reaction) {
         let forces = start.friction_force.iter().enumerate();
         let on_slider = forces.filter(|(contact, _)| scene.is_on_slider(*contact));
-        drives.push(Drive {
+        drives.push(SurfaceDrive {
             gives: velocity.name.clone(),
             takes: reaction.name.clone(),
             force: -on_slider.map(|(_, force)| force).sum::<f64>(),
@@ -137,7 +137,11 @@ fn surfaces(scene: &Scene, network: &Network) -> Vec<Surface> {
 ///
 /// The surfaces of one mass that move equally fast are moved by one body; surfaces that belong to no mass must
 /// besides move in the same direction.
-fn moved_together(scene: &Scene, one: &RubbingPlace, other: &RubbingPlace) -> Option<f64> {
+fn moved_together(
+    scene: &Scene,
+    one: &ContactDefinition,
+    other: &ContactDefinition,
+) -> Option<f64> {
     let (a, b) = (one.velocity?, other.velocity?);
     let along = dot(tangent(scene, one), tangent(scene, other));
     let is_parallel = along.abs() > 1.0 - SAME;
@@ -154,7 +158,7 @@ fn moved_together(scene: &Scene, one: &RubbingPlace, other: &RubbingPlace) -> Op
     }
 }
 
-fn tangent(scene: &Scene, place: &RubbingPlace) -> [f64; 2] {
+fn tangent(scene: &Scene, place: &ContactDefinition) -> [f64; 2] {
     direction(place.angle.unwrap_or(scene.slider.angle))
 }
 
@@ -163,7 +167,7 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 impl Surface {
-    fn drive(&self, network: &Network, start: &Equilibrium) -> Drive {
+    fn drive(&self, network: &Network, start: &Equilibrium) -> SurfaceDrive {
         let name = |contact: usize| format!("contact.{}", network.contacts[contact].name);
         let first = self.contacts[0].0;
         let mut gives = format!("{}.velocity", name(first));
@@ -189,11 +193,16 @@ impl Surface {
         let forces = self.contacts.iter();
         let force =
             -forces.map(|(contact, sign)| sign * start.friction_force[*contact]).sum::<f64>();
-        Drive { gives, takes, force, velocity: network.contacts[first].velocity.unwrap_or(0.0) }
+        SurfaceDrive {
+            gives,
+            takes,
+            force,
+            velocity: network.contacts[first].velocity.unwrap_or(0.0),
+        }
     }
 }
 
-fn told(drives: &[Drive]) -> String {
+fn told(drives: &[SurfaceDrive]) -> String {
     let mut words = Vec::new();
     for (place, drive) in drives.iter().take(MOST_DRIVES).enumerate() {
         let who = if place == 0 { "a drive" } else { "Another drive" };

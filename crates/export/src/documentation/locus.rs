@@ -2,7 +2,7 @@
 
 use super::{NAMED, can_squeal};
 use amontons::assembly::equilibrium;
-use amontons::contact::{ContactState, Joined};
+use amontons::contact::{ContactState, JoinedStates};
 use amontons::decimal::to_significant;
 use amontons::model::LumpedModel;
 use amontons::numerics::range;
@@ -21,14 +21,14 @@ const BEYOND: f64 = 1.5;
 
 /// The quantity along the chart's axis.
 #[derive(Clone, Copy, PartialEq)]
-enum Axis {
+enum LocusAxis {
     /// The common µ.
     Friction,
     /// All friction coefficients, as multiples of themselves.
     Factor,
 }
 
-impl Axis {
+impl LocusAxis {
     fn label(self) -> &'static str {
         match self {
             Self::Friction => "friction coefficient µ",
@@ -52,7 +52,7 @@ impl Axis {
 
 /// The modes of uniform sliding over friction.
 pub(super) struct Followed {
-    axis: Axis,
+    axis: LocusAxis,
     locus: Locus,
     /// The scene's own place.
     here: f64,
@@ -88,7 +88,7 @@ pub(super) fn followed(
         ));
     }
     let common = scene.has_common_friction() && !has_own_friction(scene);
-    let axis = if common { Axis::Friction } else { Axis::Factor };
+    let axis = if common { LocusAxis::Friction } else { LocusAxis::Factor };
     let here = if common { scene.friction_coefficient } else { 1.0 };
     let last = if here == 0.0 { 1.0 } else { BEYOND * here };
     let values: Vec<f64> =
@@ -115,11 +115,11 @@ fn has_own_friction(scene: &Scene) -> bool {
 }
 
 /// The scene with another friction, of which static friction knows nothing: nothing sticks here.
-fn with_friction(scene: &Scene, axis: Axis, value: f64) -> Scene {
+fn with_friction(scene: &Scene, axis: LocusAxis, value: f64) -> Scene {
     let mut scene = scene.clone();
     match axis {
-        Axis::Friction => scene.friction_coefficient = value,
-        Axis::Factor => {
+        LocusAxis::Friction => scene.friction_coefficient = value,
+        LocusAxis::Factor => {
             scene.friction_coefficient *= value;
             if let Structure::Network(network) = &mut scene.structure {
                 for place in &mut network.contacts {
@@ -138,8 +138,8 @@ impl Followed {
 
     fn name(&self) -> &'static str {
         match self.axis {
-            Axis::Friction => "µ =",
-            Axis::Factor => "a factor of",
+            LocusAxis::Friction => "µ =",
+            LocusAxis::Factor => "a factor of",
         }
     }
 
@@ -187,7 +187,7 @@ impl Followed {
 
     pub(super) fn chart(&self, scene: &Scene, states: &[ContactState]) -> Chart {
         let state = match states.len() {
-            0..=NAMED => format!("state {}", Joined(states)),
+            0..=NAMED => format!("state {}", JoinedStates(states)),
             _ => "uniform sliding".to_owned(),
         };
         let title = format!("{}: eigenvalues in {state}", scene.name);
@@ -210,8 +210,8 @@ impl Followed {
         }
         if let Some(panel) = chart.panels.first_mut() {
             let label = match self.axis {
-                Axis::Friction => "this scene",
-                Axis::Factor => "this scene: 1",
+                LocusAxis::Friction => "this scene",
+                LocusAxis::Factor => "this scene: 1",
             };
             let mark = Mark { x: self.here, label: Some(label.to_owned()) };
             panel.marks.push(mark);

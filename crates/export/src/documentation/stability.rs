@@ -3,7 +3,7 @@
 use super::locus::followed;
 use super::{NAMED, can_squeal, markup};
 use amontons::Error;
-use amontons::contact::{ContactState, Joined};
+use amontons::contact::{ContactState, JoinedStates};
 use amontons::model::Equilibrium;
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
@@ -61,7 +61,7 @@ fn situation(scene: &Scene, states: &[ContactState]) -> String {
     }
     let sliding = states.iter().filter(|state| **state != ContactState::Stick).count();
     let named = match count {
-        0..=NAMED => format!(" (state {})", Joined(states)),
+        0..=NAMED => format!(" (state {})", JoinedStates(states)),
         _ => String::new(),
     };
     let them = match (count, sliding) {

@@ -2,7 +2,7 @@
 
 use super::schema::{ELEMENTS, ElementKind};
 use super::tree::Element;
-use super::values::Wrong;
+use super::values::InvalidValue;
 use crate::report::Report;
 use crate::rules::Rule;
 use std::collections::HashSet;
@@ -40,11 +40,11 @@ fn attributes(element: &Element, kind: &ElementKind, report: &mut Report) {
         };
         match kind.check(value) {
             Ok(()) => {}
-            Err(Wrong::NotFinite) => {
+            Err(InvalidValue::NotFinite) => {
                 let message = format!("{name}=\"{value}\" of <{tag}> is not a finite number");
                 report.add(Rule::NotFinite, element.place(), message);
             }
-            Err(Wrong::Value(right)) => {
+            Err(InvalidValue::Value(right)) => {
                 let message = format!("{name}=\"{value}\" of <{tag}> must be {right}");
                 report.add(Rule::AttributeValue, element.place(), message);
             }

@@ -14,15 +14,15 @@ pub(super) enum Type {
 }
 
 /// The mistake in a value.
-pub(super) enum Wrong {
+pub(super) enum InvalidValue {
     Value(String),
     NotFinite,
 }
 
 impl Type {
-    pub(super) fn check(self, value: &str) -> Result<(), Wrong> {
+    pub(super) fn check(self, value: &str) -> Result<(), InvalidValue> {
         let is = |right: bool, what: &str| {
-            if right { Ok(()) } else { Err(Wrong::Value(what.to_owned())) }
+            if right { Ok(()) } else { Err(InvalidValue::Value(what.to_owned())) }
         };
         match self {
             Self::Text => Ok(()),
@@ -30,7 +30,7 @@ impl Type {
             Self::Integer => is(integer(value).is_some(), "a 32-bit integer"),
             Self::Count => is(count(value).is_some(), "a whole number from 0 to 4294967295"),
             Self::Double => match value.trim_ascii().parse::<f64>() {
-                Ok(number) if !number.is_finite() => Err(Wrong::NotFinite),
+                Ok(number) if !number.is_finite() => Err(InvalidValue::NotFinite),
                 Ok(_) => Ok(()),
                 Err(_) => is(false, "a number"),
             },

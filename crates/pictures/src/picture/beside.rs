@@ -11,7 +11,7 @@ const PIECE: f64 = 4.0;
 
 /// A text with its place, px.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Beside {
+pub(super) struct SideText {
     pub(super) text: String,
     pub(super) at: Point,
     pub(super) align: Align,
@@ -30,7 +30,7 @@ pub(super) fn texts(
     frame: &Frame<'_>,
     points: &[(Point, &str)],
     lines: &[Vec<Point>],
-) -> Vec<Beside> {
+) -> Vec<SideText> {
     let mut taken: Vec<Area> = lines.iter().flat_map(|line| pieces(line)).collect();
     taken.extend(points.iter().map(|&([x, y], _)| [x - 4.0, y - 4.0, x + 4.0, y + 4.0]));
     let mut placed = Vec::new();
@@ -64,7 +64,7 @@ pub(super) fn texts(
         });
         if let Some((at, align, area)) = free {
             taken.push(area);
-            placed.push(Beside { text: text.to_owned(), at, align });
+            placed.push(SideText { text: text.to_owned(), at, align });
         }
     }
     placed

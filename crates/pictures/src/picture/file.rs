@@ -1,7 +1,7 @@
 //! Picture files: told apart by their endings, whole or not there.
 
 use amontons::Error;
-use amontons_analysis::output::{Pending, check_folder};
+use amontons_analysis::output::{AtomicFile, check_folder};
 use std::io::Write;
 use std::path::Path;
 
@@ -37,7 +37,7 @@ pub fn check_name(path: &Path) -> Result<(), Error> {
 
 /// Writes a picture that replaces what stood there when it is complete.
 pub(super) fn save(path: &Path, content: &[u8]) -> Result<(), Error> {
-    let mut file = Pending::create(path)?;
+    let mut file = AtomicFile::create(path)?;
     file.write_all(content).map_err(|error| Error::file(path, &error))?;
     file.complete()
 }

@@ -22,7 +22,7 @@ mod palette;
 mod structure;
 mod units;
 
-pub use chart::{Band, Chart, Lane, Mark, Marker, Panel, Raster, Series, Stretch, Style};
+pub use chart::{Band, Chart, Lane, LaneInterval, Mark, Marker, Panel, Raster, Series, Style};
 pub use class::Class;
 pub use file::check_name;
 pub use locus::locus_chart;

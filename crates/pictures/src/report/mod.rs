@@ -17,7 +17,7 @@ pub use thin::{envelope, evenly_spaced};
 
 use crate::picture::{Chart, Map};
 use amontons::Error;
-use amontons_analysis::output::Pending;
+use amontons_analysis::output::AtomicFile;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -157,7 +157,7 @@ pub fn html(page: &Page) -> Result<String, Error> {
 /// Returns an error of [`html`], or if the file cannot be written.
 pub fn write(page: &Page, path: &Path) -> Result<(), Error> {
     let text = html(page)?;
-    let mut file = Pending::create(path)?;
+    let mut file = AtomicFile::create(path)?;
     file.write_all(text.as_bytes()).map_err(|error| Error::file(path, &error))?;
     file.complete()
 }

@@ -9,7 +9,7 @@ const BINS: f64 = 2000.0;
 /// Points that a curve without an order, or dots, may have.
 const LIMIT: usize = 4000;
 
-type Point = [f64; 2];
+type Position = [f64; 2];
 
 /// The places of the points to keep, in their order. Points with labels all stay.
 pub(super) fn kept(series: &Series, logarithmic: bool) -> Vec<usize> {
@@ -26,7 +26,7 @@ pub(super) fn kept(series: &Series, logarithmic: bool) -> Vec<usize> {
 }
 
 /// The lowest and the highest point in each of `bins` parts of the x axis, of points along x, to seven digits.
-pub fn envelope(points: &[Point], bins: f64) -> Vec<Point> {
+pub fn envelope(points: &[Position], bins: f64) -> Vec<Position> {
     let kept = Scaled::new(points, false).lowest_and_highest(bins);
     kept.into_iter().map(|place| points[place].map(rounded)).collect()
 }
@@ -39,7 +39,7 @@ pub fn evenly_spaced(count: usize, most: usize) -> Vec<usize> {
 }
 
 /// `true` if x never goes back.
-pub(super) fn is_ascending(points: &[Point]) -> bool {
+pub(super) fn is_ascending(points: &[Position]) -> bool {
     let mut finite = points.iter().map(|[x, _]| *x).filter(|x| x.is_finite());
     let mut before = f64::NEG_INFINITY;
     finite.all(|x| std::mem::replace(&mut before, x) <= x)
@@ -52,13 +52,13 @@ pub(super) fn rounded(value: f64) -> f64 {
 
 /// Points as parts of the ranges that they span, on the axes that show them.
 struct Scaled {
-    points: Vec<Point>,
+    points: Vec<Position>,
 }
 
 impl Scaled {
-    fn new(points: &[Point], logarithmic: bool) -> Self {
+    fn new(points: &[Position], logarithmic: bool) -> Self {
         let scale = |value: f64| if logarithmic { value.log10() } else { value };
-        let mut points: Vec<Point> = points.iter().map(|point| point.map(scale)).collect();
+        let mut points: Vec<Position> = points.iter().map(|point| point.map(scale)).collect();
         for axis in [0, 1] {
             let values = points.iter().map(|point| point[axis]);
             let [low, high] = range(values.filter(|value| value.is_finite()));
@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(evenly_spaced(7, 1), [0]);
     }
 
-    fn series(points: Vec<Point>, style: Style) -> Series {
+    fn series(points: Vec<Position>, style: Style) -> Series {
         Series { points, style, ..Series::default() }
     }
 
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn dots_keep_their_extent_and_labelled_points_stay_all() {
-        let points: Vec<Point> =
+        let points: Vec<Position> =
             (0..60_000).map(|i| [f64::from(i % 1000), f64::from(i / 1000)]).collect();
         let mut dots = series(points, Style::Dots);
         let kept = kept(&dots, false);

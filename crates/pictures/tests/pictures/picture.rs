@@ -2,8 +2,8 @@
 
 use amontons::Error;
 use amontons_pictures::picture::{
-    Band, Chart, Class, Lane, Link, LinkKind, Map, Mark, Marker, MassMark, ModeShape, ModeShapes,
-    Panel, Raster, Series, SliderMark, Stretch, Structure, Style,
+    Band, Chart, Class, Lane, LaneInterval, Link, LinkKind, Map, Mark, Marker, MassMark, ModeShape,
+    ModeShapes, Panel, Raster, Series, SliderMark, Structure, Style,
 };
 use nalgebra::Complex;
 use quick_xml::Reader;
@@ -172,7 +172,10 @@ fn states() -> Chart {
     let class = |name: &str, colour| Class::plain(name.into(), colour);
     let lane = |name: &str, stretches: &[(f64, f64, usize)]| Lane {
         name: name.into(),
-        stretches: stretches.iter().map(|&(from, to, class)| Stretch { from, to, class }).collect(),
+        stretches: stretches
+            .iter()
+            .map(|&(from, to, class)| LaneInterval { from, to, class })
+            .collect(),
     };
     let panel = Panel {
         y_label: "Contact state".into(),
@@ -821,7 +824,7 @@ fn each_point_has_the_marker_of_its_series_and_so_has_the_legend() {
 #[test]
 fn the_shortest_stretch_shows_all_colours_of_its_class() {
     let mut chart = states();
-    chart.panels[0].lanes[0].stretches[1] = Stretch { from: 4.0, to: 4.02, class: 2 };
+    chart.panels[0].lanes[0].stretches[1] = LaneInterval { from: 4.0, to: 4.02, class: 2 };
     chart.panels[0].classes.push(Class { stripes: vec![0], ..Class::plain("both".into(), 1) });
     let picture = written(&chart);
     let middle = picture.1 / 2 - 99;

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 #[derive(Debug)]
 struct Case {
     model: LumpedModel,
-    drive: Drive,
+    inputs: Inputs,
     x: Vec<f64>,
     v: Vec<f64>,
 }
@@ -18,10 +18,10 @@ impl Case {
         let dofs = model.dofs();
         let vector = |size: f64, from| (0..dofs).map(|i| size * values(from + i)).collect();
         let force = vector(20.0, 0);
-        let mut drive = Drive::uniform(force, model.contacts.len(), 0.1, friction);
-        drive.force_rate = vector(1e3, 20);
-        drive.slider_acceleration.fill(0.5);
-        Self { drive, x: vector(1e-4, 40), v: vector(1e-2, 60), model }
+        let mut inputs = Inputs::uniform(force, model.contacts.len(), 0.1, friction);
+        inputs.force_rate = vector(1e3, 20);
+        inputs.slider_acceleration.fill(0.5);
+        Self { inputs, x: vector(1e-4, 40), v: vector(1e-2, 60), model }
     }
 
     fn series(&self, slots: usize) -> (Dynamics, Series) {
@@ -32,9 +32,9 @@ impl Case {
 
     fn expand(&self, (dynamics, series): &mut (Dynamics, Series), states: &[ContactState]) {
         let start = (&*self.x, &*self.v);
-        let Drive { force, slider_acceleration, .. } = &self.drive;
+        let Inputs { force, slider_acceleration, .. } = &self.inputs;
         let now = SeriesStart { outer: force, slider: slider_acceleration, passed: 0.0 };
-        series.expand(dynamics, states, &self.drive, now, start, 1e-3);
+        series.expand(dynamics, states, &self.inputs, now, start, 1e-3);
     }
 }
 
@@ -146,7 +146,7 @@ proptest! {
                 ends.push([x, v, forces]);
             }
             // A contact force is what is left of the forces that act on the masses: their rounding is in it.
-            let acting = max_norm(&case.drive.force);
+            let acting = max_norm(&case.inputs.force);
             let [x, v, forces] = ends[0].each_ref().map(|values| max_norm(values));
             let scales = [x, v, acting.max(forces)];
             for ((full, sparse), size) in ends[0].iter().zip(&ends[1]).zip(scales) {
@@ -164,14 +164,14 @@ fn another_drive_friction_or_damping_finds_no_old_matrix() {
     let mut last = Vec::new();
     for change in 0..5 {
         match change {
-            1 => case.drive.friction[1] = 0.7.into(),
+            1 => case.inputs.friction[1] = 0.7.into(),
             2 => {
                 case.model.damping.beta *= 3.0;
                 kept.0.damping = case.model.damping;
                 kept.1.forget();
             }
-            3 => case.drive.force[0] += 1.0,
-            4 => case.drive.slider_acceleration[0] = -2.0,
+            3 => case.inputs.force[0] += 1.0,
+            4 => case.inputs.slider_acceleration[0] = -2.0,
             _ => {}
         }
         let mut fresh = case.series(64);

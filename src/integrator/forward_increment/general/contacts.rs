@@ -2,7 +2,7 @@
 
 use crate::contact::ContactState;
 use crate::integrator::dynamics::Dynamics;
-use crate::integrator::{Drive, Motion, StepFailure};
+use crate::integrator::{Inputs, Motion, StepFailure};
 use crate::model::Direction;
 use std::ops::Range;
 
@@ -49,16 +49,16 @@ impl Contacts {
         dynamics: &mut Dynamics,
         motion: &mut Motion,
         (x, v, a): (&mut [f64], &mut [f64], &mut [f64]),
-        drive: &Drive,
+        inputs: &Inputs,
         h: f64,
     ) -> Result<(), StepFailure> {
-        let Dynamics { problem, freedom_of, law, .. } = &mut *dynamics;
+        let Dynamics { problem, constraint_of, law, .. } = &mut *dynamics;
         // In slices of one length no index needs a check of its own.
         let (v, a) = (&mut v[..x.len()], &mut a[..x.len()]);
         let contacts = self.places.len();
-        let (before, slider) = (&motion.contacts[..contacts], &drive.slider_velocity[..contacts]);
-        let (friction, free) = (&drive.friction[..contacts], &mut problem.free[..contacts]);
-        let freedom = &mut problem.freedom[..contacts];
+        let (before, slider) = (&motion.contacts[..contacts], &inputs.slider_velocity[..contacts]);
+        let (friction, free) = (&inputs.friction[..contacts], &mut problem.free[..contacts]);
+        let constraint = &mut problem.constraint[..contacts];
         for (i, place) in self.places.iter().enumerate() {
             let (mut normal, mut gap, mut approach) = (0.0, 0.0, 0.0);
             for &(dof, factor) in &self.parts[place.normal.clone()] {
@@ -78,7 +78,7 @@ impl Contacts {
                 _ => 0.0,
             };
             let slip = slip - slider[i];
-            freedom[i] = freedom_of(friction[i], -slip, slider[i], before[i]);
+            constraint[i] = constraint_of(friction[i], -slip, slider[i], before[i]);
             free[i] = [approach + (normal + gap / h) / h, drift + slip / h];
         }
         let follows_size = law.follows_size();
@@ -105,16 +105,16 @@ impl Contacts {
         for (v, a) in v.iter_mut().zip(&*a) {
             *v += h * a;
         }
-        self.settle(&problem.states, motion, (x, &mut *v), slider, h);
+        self.advance_displacements(&problem.states, motion, (x, &mut *v), slider, h);
         if dynamics.law.is_reduced() {
-            dynamics.count_broken(motion, v, drive);
+            dynamics.count_broken(motion, v, inputs);
         }
         Ok(())
     }
 
     /// Advances the displacements; where a contact lies along a degree of freedom, its gap and its slip become exact
     /// zeros, so that the tolerance of the multipliers leaves no drift.
-    fn settle(
+    fn advance_displacements(
         &self,
         states: &[ContactState],
         motion: &mut Motion,

@@ -11,7 +11,9 @@ mod sparse;
 use crate::Error;
 use crate::contact::ContactForce;
 use crate::integrator::dynamics::Dynamics;
-use crate::integrator::{Drive, Integrator, Kept, Kernel, Motion, Push, Response, StepFailure};
+use crate::integrator::{
+    AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Integrator, Kernel, Motion, StepFailure,
+};
 use crate::model::{Damping, LumpedModel};
 use contacts::Contacts;
 use dense::Dense;
@@ -143,10 +145,10 @@ impl Damps for SingleDampers {
 }
 
 /// Loop that takes `count` steps of length `step` (s).
-type Run<S> = fn(
+type TimeLoop<S> = fn(
     &mut GeneralScheme<S>,
     &mut Motion,
-    &Drive,
+    &Inputs,
     step: f64,
     count: u64,
 ) -> Result<(), StepFailure>;
@@ -156,7 +158,7 @@ struct GeneralScheme<S> {
     dynamics: Dynamics,
     contacts: Contacts,
     structure: S,
-    run: Run<S>,
+    run: TimeLoop<S>,
 }
 
 /// Names of the rows and columns of [`GeneralScheme::KERNELS`].
@@ -164,7 +166,7 @@ const DAMPINGS: [&str; 3] = ["no damping", "Rayleigh damping", "single dampers"]
 const CONTACTS: [&str; 2] = ["no contacts", "contacts"];
 
 impl<S: InternalForces + 'static> GeneralScheme<S> {
-    const KERNELS: [[Run<S>; 2]; 3] = [
+    const KERNELS: [[TimeLoop<S>; 2]; 3] = [
         [Self::run::<Undamped, false>, Self::run::<Undamped, true>],
         [Self::run::<Rayleigh, false>, Self::run::<Rayleigh, true>],
         [Self::run::<SingleDampers, false>, Self::run::<SingleDampers, true>],
@@ -179,7 +181,7 @@ impl<S: InternalForces + 'static> GeneralScheme<S> {
     }
 
     /// The kernel for this dynamics.
-    fn kernel(dynamics: &Dynamics) -> Run<S> {
+    fn kernel(dynamics: &Dynamics) -> TimeLoop<S> {
         let Damping { alpha, beta } = dynamics.damping;
         let damping = match dynamics.dampers.is_empty() {
             true if alpha == 0.0 && beta == 0.0 => 0,
@@ -190,7 +192,7 @@ impl<S: InternalForces + 'static> GeneralScheme<S> {
     }
 
     fn list(structure: &'static str) -> Vec<Kernel> {
-        let row = |(row, damping): ([Run<S>; 2], &'static str)| {
+        let row = |(row, damping): ([TimeLoop<S>; 2], &'static str)| {
             row.into_iter().zip(CONTACTS).map(move |(_, contacts)| Kernel {
                 structure,
                 arithmetic: format!("{}, {damping}, {contacts}", S::NAME),
@@ -202,11 +204,11 @@ impl<S: InternalForces + 'static> GeneralScheme<S> {
     fn run<D: Damps, const IN_CONTACT: bool>(
         &mut self,
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         h: f64,
         count: u64,
     ) -> Result<(), StepFailure> {
-        let mut vectors = self.structure.take(motion, &drive.force);
+        let mut vectors = self.structure.take(motion, &inputs.force);
         let mut outcome = Ok(());
         for _ in 0..count {
             self.structure.accelerate::<D>(&self.dynamics, &mut vectors);
@@ -214,7 +216,7 @@ impl<S: InternalForces + 'static> GeneralScheme<S> {
             let (x, v, a) = (x.as_mut(), v.as_mut(), a.as_mut());
             if IN_CONTACT {
                 let moving = (&mut *x, &mut *v, &mut *a);
-                outcome = self.contacts.step(&mut self.dynamics, motion, moving, drive, h);
+                outcome = self.contacts.step(&mut self.dynamics, motion, moving, inputs, h);
                 if outcome.is_err() {
                     break;
                 }
@@ -237,27 +239,27 @@ impl<S: InternalForces + 'static> Integrator for GeneralScheme<S> {
     fn advance(
         &mut self,
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         step: f64,
         count: u64,
     ) -> Result<(), StepFailure> {
-        (self.run)(self, motion, drive, step, count)
+        (self.run)(self, motion, inputs, step, count)
     }
 
     fn contact_forces(
         &mut self,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
-        self.dynamics.contact_forces(motion, drive, forces)
+        self.dynamics.contact_forces(motion, inputs, forces)
     }
 
     fn respond(
         &mut self,
-        kept: Kept<'_>,
-        push: Push<'_>,
-        response: &mut Response,
+        kept: HeldStates<'_>,
+        push: AppliedLoad<'_>,
+        response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
         self.dynamics.respond(kept, push, response)
     }

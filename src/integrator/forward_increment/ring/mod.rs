@@ -2,12 +2,14 @@
 
 mod step;
 
-use crate::contact::{ContactForce, ContactLaw, ContactState, FrictionLaw, Law, UnderLaw};
+use crate::contact::{ContactForce, ContactLaw, ContactState, FrictionLaw, Law, LawVisitor};
 use crate::integrator::Kernel;
-use crate::integrator::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
+use crate::integrator::{
+    AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Integrator, Motion, StepFailure,
+};
 use crate::model::ring::{MODULE_DOFS, NORMAL, TANGENT, has_contacts_in_place};
 use crate::model::{Damping, LumpedModel};
-use step::{Block, Scheme, Vector, linked, set_effective};
+use step::{Block, ModuleVector, Scheme, linked, set_effective};
 
 /// Integrator of the forward increment Lagrange multiplier method for a ring of modules.
 pub struct RingForwardIncrement {
@@ -16,7 +18,7 @@ pub struct RingForwardIncrement {
 }
 
 /// Takes `count` steps of length `step` (s) of a ring: the loop of [`Scheme`] that is compiled for what the ring has.
-type StepLoop = fn(&mut Rings, &mut Motion, &Drive, f64, u64);
+type StepLoop = fn(&mut Rings, &mut Motion, &Inputs, f64, u64);
 
 /// A ring and the memory for its steps.
 struct Rings {
@@ -24,7 +26,7 @@ struct Rings {
     blocks: Vec<Block>,
     damping: Damping,
     /// x + β ẋ, on which K acts for springs and dampers at once; one item for each module.
-    effective: Vec<Vector>,
+    effective: Vec<ModuleVector>,
 }
 
 /// The effects besides the law of friction that a kernel is chosen by.
@@ -34,7 +36,7 @@ struct KernelEffects {
     links: bool,
 }
 
-impl UnderLaw for KernelEffects {
+impl LawVisitor for KernelEffects {
     type Output = StepLoop;
 
     fn under<L: FrictionLaw>(self) -> StepLoop {
@@ -54,7 +56,7 @@ impl UnderLaw for KernelEffects {
 /// The law of friction of a kernel.
 struct Named;
 
-impl UnderLaw for Named {
+impl LawVisitor for Named {
     type Output = String;
 
     fn under<L: FrictionLaw>(self) -> String {
@@ -116,12 +118,12 @@ impl Rings {
     fn run<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: bool>(
         &mut self,
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         step: f64,
         count: u64,
     ) {
         let scheme = Scheme::<L, DETACHMENT, DAMPING, LINKS>::new(step, self.damping);
-        scheme.steps(&self.blocks, &mut self.effective, motion, drive, count);
+        scheme.steps(&self.blocks, &mut self.effective, motion, inputs, count);
     }
 }
 
@@ -165,22 +167,22 @@ impl Integrator for RingForwardIncrement {
     fn advance(
         &mut self,
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         step: f64,
         count: u64,
     ) -> Result<(), StepFailure> {
-        (self.kernel)(&mut self.rings, motion, drive, step, count);
+        (self.kernel)(&mut self.rings, motion, inputs, step, count);
         Ok(())
     }
 
     fn contact_forces(
         &mut self,
         motion: &Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
         let rings = &mut self.rings;
-        let load = drive.force.as_chunks().0;
+        let load = inputs.force.as_chunks().0;
         set_effective(&mut rings.effective, motion, rings.damping.beta);
         let w = &rings.effective;
         let last = w.len() - 1;
@@ -195,7 +197,7 @@ impl Integrator for RingForwardIncrement {
             let damped = |place: usize, mass: f64, dof: usize| {
                 force[place] - rings.damping.alpha * mass * motion.velocity[dof]
             };
-            let surface = drive.slider_velocity[i];
+            let surface = inputs.slider_velocity[i];
             // A mass that sticks follows its slider, also if its velocity has been set anew since the last step.
             let slip = match motion.contacts[i] {
                 ContactState::Stick => 0.0,
@@ -206,9 +208,9 @@ impl Integrator for RingForwardIncrement {
             *out = if rings.law.detachment && (open || pressing < 0.0) {
                 ContactForce::detached(slip)
             } else {
-                let carried = tangent_mass * drive.slider_acceleration[i];
+                let carried = tangent_mass * inputs.slider_acceleration[i];
                 let holding = carried - damped(TANGENT, tangent_mass, tangent);
-                rings.law.closed(drive.friction[i], surface, pressing, slip, holding)
+                rings.law.closed(inputs.friction[i], surface, pressing, slip, holding)
             };
         }
         Ok(())
@@ -216,9 +218,9 @@ impl Integrator for RingForwardIncrement {
 
     fn respond(
         &mut self,
-        kept: Kept<'_>,
-        push: Push<'_>,
-        response: &mut Response,
+        kept: HeldStates<'_>,
+        push: AppliedLoad<'_>,
+        response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
         let modules = self.rings.blocks.iter().zip(push.force.as_chunks::<MODULE_DOFS>().0);
         let found =

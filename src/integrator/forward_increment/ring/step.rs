@@ -14,13 +14,13 @@
 //! C = α M + β K. The term with α multiplies ẋ_n by 1 − h α; the term with β makes K act on x_n + β ẋ_n.
 
 use crate::contact::{ContactState, FrictionLaw};
-use crate::integrator::{Drive, Motion};
+use crate::integrator::{Inputs, Motion};
 use crate::model::Damping;
 use crate::model::ring::{MODULE_DOFS, NORMAL, TANGENT};
 use std::marker::PhantomData;
 
 /// One value for each degree of freedom of a module.
-pub(super) type Vector = [f64; MODULE_DOFS];
+pub(super) type ModuleVector = [f64; MODULE_DOFS];
 
 /// The rows of M and K that belong to one module.
 #[derive(Clone, Copy, Debug)]
@@ -28,9 +28,9 @@ pub(super) struct Block {
     /// The mass in contact, along the tangent and along the normal, kg.
     pub(super) mass: [f64; 2],
     /// The diagonal of M⁻¹, 1/kg.
-    pub(super) inverse_mass: Vector,
+    pub(super) inverse_mass: ModuleVector,
     /// The columns of the module's own block of K, N/m.
-    pub(super) own: [Vector; MODULE_DOFS],
+    pub(super) own: [ModuleVector; MODULE_DOFS],
     /// The entries of K between x1, x2 and the same coordinates of the module before, N/m.
     pub(super) before: [f64; 2],
     /// The entries of K between x1, x2 and the same coordinates of the module after, N/m.
@@ -39,7 +39,7 @@ pub(super) struct Block {
 
 /// Writes x + β ẋ (m) of as many modules as `effective` has room for.
 #[inline(always)]
-pub(super) fn set_effective(effective: &mut [Vector], motion: &Motion, beta: f64) {
+pub(super) fn set_effective(effective: &mut [ModuleVector], motion: &Motion, beta: f64) {
     // Number by number, which the compiler does faster than module by module: this is a good part of a call for one
     // step.
     let moving = motion.displacement.iter().zip(&motion.velocity);
@@ -50,13 +50,13 @@ pub(super) fn set_effective(effective: &mut [Vector], motion: &Motion, beta: f64
 
 /// x + β ẋ of a module, m.
 #[inline(always)]
-fn effective_displacement(x: &Vector, v: &Vector, beta: f64) -> Vector {
+fn effective_displacement(x: &ModuleVector, v: &ModuleVector, beta: f64) -> ModuleVector {
     [x[0] + beta * v[0], x[1] + beta * v[1], x[2] + beta * v[2], x[3] + beta * v[3]]
 }
 
 /// The coordinates of a module that links join: x1 and x2.
 #[inline(always)]
-pub(super) fn linked(vector: &Vector) -> [f64; 2] {
+pub(super) fn linked(vector: &ModuleVector) -> [f64; 2] {
     [vector[0], vector[1]]
 }
 
@@ -66,10 +66,10 @@ impl Block {
     #[inline(always)]
     pub(super) fn force<const RESTING: bool, const LINKS: bool>(
         &self,
-        load: &Vector,
-        w: &Vector,
+        load: &ModuleVector,
+        w: &ModuleVector,
         [before, after]: [[f64; 2]; 2],
-    ) -> Vector {
+    ) -> ModuleVector {
         let row = |r: usize| {
             let upper = self.own[0][r] * w[0] + self.own[1][r] * w[1];
             let tangential = self.own[2][r] * w[2];
@@ -105,9 +105,9 @@ pub(super) struct Scheme<L, const DETACHMENT: bool, const DAMPING: bool, const L
 #[derive(Clone, Copy)]
 struct ModuleState {
     /// Displacements x, m.
-    x: Vector,
+    x: ModuleVector,
     /// Velocities ẋ, m/s.
-    v: Vector,
+    v: ModuleVector,
     /// The state of the module's contact.
     state: ContactState,
 }
@@ -141,18 +141,18 @@ impl<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: b
     pub(super) fn steps(
         &self,
         blocks: &[Block],
-        effective: &mut [Vector],
+        effective: &mut [ModuleVector],
         motion: &mut Motion,
-        drive: &Drive,
+        inputs: &Inputs,
         count: u64,
     ) {
         // Slices of one length need no checks of indices.
         let modules = blocks.len();
         let w = &mut effective[..if DAMPING { modules } else { 0 }];
         set_effective(w, motion, self.beta);
-        let load = &drive.force.as_chunks().0[..modules];
+        let load = &inputs.force.as_chunks().0[..modules];
         let (velocities, frictions) =
-            (&drive.slider_velocity[..modules], &drive.friction[..modules]);
+            (&inputs.slider_velocity[..modules], &inputs.friction[..modules]);
         let x = &mut motion.displacement.as_chunks_mut().0[..modules];
         let v = &mut motion.velocity.as_chunks_mut().0[..modules];
         let states = &mut motion.contacts[..modules];
@@ -206,8 +206,8 @@ impl<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: b
     fn step<const RESTING: bool>(
         &self,
         block: &Block,
-        load: &Vector,
-        w: &Vector,
+        load: &ModuleVector,
+        w: &ModuleVector,
         links: [[f64; 2]; 2],
         surface: &Surface<L>,
         &ModuleState { x, v, state: before }: &ModuleState,
@@ -274,7 +274,7 @@ impl<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: b
     fn friction(
         &self,
         block: &Block,
-        force: &Vector,
+        force: &ModuleVector,
         velocity: f64,
         surface: &Surface<L>,
         normal: f64,

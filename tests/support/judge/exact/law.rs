@@ -2,7 +2,7 @@
 //! change of state, and on what is reported.
 
 use super::motion::{Place, Span};
-use super::{Look, SHORTEST, SLOW};
+use super::{ObservationSettings, SHORTEST, SLOW};
 use crate::judge::reduced::residual_under;
 use crate::judge::rule::{Before, Doing, state_of};
 use crate::judge::{ROUNDING, Run};
@@ -21,7 +21,13 @@ impl Run {
     /// Judges the law at one instant in a contact state: on the velocities, and where they vanish, on the
     /// accelerations. At the end of its time a slip may have come to an end.
     #[track_caller]
-    pub(super) fn judge_instant(&mut self, span: &Span, look: &Look, held: usize, is_end: bool) {
+    pub(super) fn judge_instant(
+        &mut self,
+        span: &Span,
+        look: &ObservationSettings,
+        held: usize,
+        is_end: bool,
+    ) {
         let (force, lost) = self.outer(span, look);
         let sliders = span.acceleration(look.t);
         let state = &self.memory.held[held];
@@ -53,7 +59,7 @@ impl Run {
     fn judge_redundant_instant(
         &mut self,
         span: &Span,
-        look: &Look,
+        look: &ObservationSettings,
         held: usize,
         forces: &DVector<f64>,
         lost: f64,
@@ -83,7 +89,7 @@ impl Run {
     /// Judges the states that follow on a change: a contact that does not slip yet but is about to could not
     /// have held.
     #[track_caller]
-    pub(super) fn judge_onset(&mut self, span: &Span, look: &Look, held: usize) {
+    pub(super) fn judge_onset(&mut self, span: &Span, look: &ObservationSettings, held: usize) {
         if !self.has_whole_law() || self.fit.is_none() {
             return;
         }
@@ -245,7 +251,12 @@ impl Run {
     }
 
     /// Largest velocities (m/s), and their change by contacts and loads between two times.
-    fn gained(&self, span: &Span, before: &Look, after: &Look) -> [f64; 2] {
+    fn gained(
+        &self,
+        span: &Span,
+        before: &ObservationSettings,
+        after: &ObservationSettings,
+    ) -> [f64; 2] {
         let fastest = before.place[1].amax().max(after.place[1].amax()).max(self.scales.velocity);
         let (force, _) = self.outer(span, before);
         // Contacts add no more than holds all others, several times.
@@ -255,13 +266,18 @@ impl Run {
 
     /// By how much velocities change between two neighbouring times, and by how much they may without an
     /// impact.
-    pub(super) fn moved(&self, span: &Span, before: &Look, after: &Look) -> (f64, f64) {
+    pub(super) fn moved(
+        &self,
+        span: &Span,
+        before: &ObservationSettings,
+        after: &ObservationSettings,
+    ) -> (f64, f64) {
         let [fastest, gained] = self.gained(span, before, after);
         // Some thousand bits: closed contacts are put where they belong at each change. Of inclined ones that
         // bounce off each other, one bounce more or less.
         let bounces = (0..span.steady.len()).any(|i| {
             let normal = self.directions.column(2 * i);
-            let opening = |look: &Look| normal.dot(&look.place[1]).abs();
+            let opening = |look: &ObservationSettings| normal.dot(&look.place[1]).abs();
             let fast = opening(before).max(opening(after));
             fast > 1e-4 * SLOW * fastest && fast < 1e2 * SLOW * fastest
         });
@@ -280,8 +296,8 @@ impl Run {
     pub(super) fn judge_event(
         &mut self,
         span: &Span,
-        before: &Look,
-        after: &Look,
+        before: &ObservationSettings,
+        after: &ObservationSettings,
         states: &[ContactState],
     ) {
         self.let_off.changes += 1;
@@ -426,7 +442,12 @@ impl Run {
             return;
         }
         let statistics = self.simulation.statistics();
-        let look = Look { t: 0.0, statistics, states: states.clone(), place: self.now.clone() };
+        let look = ObservationSettings {
+            t: 0.0,
+            statistics,
+            states: states.clone(),
+            place: self.now.clone(),
+        };
         let (force, lost) = self.outer(&span, &look);
         let state = &self.memory.held[held];
         let pairs = reported.iter().flat_map(|force| [force.normal_force, force.friction_force]);

@@ -1,11 +1,11 @@
 //! Exact motion in one contact state by the exponential of a matrix that is built from M, C, K, the directions of the
 //! contacts and their states.
 
-use super::{Look, SLOW};
+use super::{ObservationSettings, SLOW};
 use crate::judge::{Acting, ROUNDING, Run, singular};
 use amontons::contact::ContactState::{self, Detached, Stick};
 use amontons::contact::Friction;
-use amontons::integrator::{Drive, Integrator, Wave};
+use amontons::integrator::{Inputs, Integrator, Wave};
 use amontons::model::LumpedModel;
 use amontons::simulation::Simulation;
 use nalgebra::{DMatrix, DVector};
@@ -31,12 +31,12 @@ pub(in crate::judge) struct Held {
 }
 
 /// Kept exponentials: arguments and results.
-type Kept = Vec<(Vec<f64>, DMatrix<f64>)>;
+type HeldStates = Vec<(Vec<f64>, DMatrix<f64>)>;
 
 #[derive(Default)]
 pub(in crate::judge) struct Memory {
     pub(in crate::judge) held: Vec<Held>,
-    kept: Kept,
+    kept: HeldStates,
     pub(super) probe: Option<Simulation>,
     pub(super) integrator: Option<Box<dyn Integrator>>,
 }
@@ -93,7 +93,7 @@ impl Span {
 
     /// The drive of an integrator for the part of the step between two times (s). `force` holds the outer forces (N) where the
     /// part begins.
-    pub(super) fn drive(&self, force: &DVector<f64>, [from, to]: [f64; 2]) -> Drive {
+    pub(super) fn drive(&self, force: &DVector<f64>, [from, to]: [f64; 2]) -> Inputs {
         let contacts = 0..self.steady.len();
         let wave = |swing: &Swing| {
             let [sine, cosine] = swing.at(from);
@@ -116,7 +116,7 @@ impl Span {
             });
             self.steady[i] + swung.sum::<f64>()
         };
-        Drive {
+        Inputs {
             force: force.as_slice().to_vec(),
             force_rate: self.rate.as_slice().to_vec(),
             slider_velocity: contacts.clone().map(|i| self.slider(i, to)).collect(),
@@ -342,7 +342,7 @@ impl Run {
     }
 
     /// The force on the masses without that of contacts, and its rounding errors, N.
-    pub(super) fn outer(&self, span: &Span, look: &Look) -> (DVector<f64>, f64) {
+    pub(super) fn outer(&self, span: &Span, look: &ObservationSettings) -> (DVector<f64>, f64) {
         let [x, v] = &look.place;
         let total = self.total(x);
         let parts = [span.force(look.t), -(&self.damping * v), -(&self.stiffness * &total)];

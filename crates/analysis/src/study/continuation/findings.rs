@@ -1,19 +1,19 @@
 //! Results of a continuation: the motions of both ways, jumps, and ranges with two motions.
 
-use crate::study::ending::{Ending, Kind};
+use crate::study::long_term::{Kind, LongTermMotion};
 use serde::{Deserialize, Serialize};
 
 /// Direction in which µ changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Way {
+pub enum SweepDirection {
     /// Upwards, from the first value to the last.
     Rising,
     /// Downwards, from the last value to the first.
     Falling,
 }
 
-impl Way {
+impl SweepDirection {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Rising, Self::Falling];
 
@@ -41,24 +41,24 @@ pub struct Point {
     /// µ.
     pub friction: f64,
     /// The ending of the motion, or the reason of its failure; after a failure a way is not followed further.
-    pub ending: Result<Ending, String>,
+    pub ending: Result<LongTermMotion, String>,
 }
 
 /// Value of µ at which one motion gives way to another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Jump {
     /// Direction in which µ changes.
-    pub way: Way,
+    pub way: SweepDirection,
     /// The way whose values it lies among; `None` of an end of a motion that stands among neither way's values. The falling
     /// way, too, has jumps of rising µ: upper ends of motions that stand among its values.
-    pub among: Option<Way>,
+    pub among: Option<SweepDirection>,
     /// `true` at the end of a motion that was followed no farther; `false` where a way continues with the motion
     /// after the jump.
     pub is_end: bool,
     /// The last µ that still has the motion, and the first that has it no more.
     pub between: [f64; 2],
     /// The motion there, before and after.
-    pub endings: [Ending; 2],
+    pub endings: [LongTermMotion; 2],
 }
 
 impl Jump {
@@ -81,7 +81,7 @@ pub struct Bistable {
     /// The kinds of both: where they differ, those of the ways upwards and downwards. What decays to rest has that of rest.
     pub kinds: [Kind; 2],
     /// The third motion, if one was met.
-    pub third: Option<Third>,
+    pub third: Option<ThirdMotion>,
 }
 
 impl Bistable {
@@ -94,11 +94,11 @@ impl Bistable {
 
 /// A motion beside two others.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Third {
+pub struct ThirdMotion {
     /// µ.
     pub friction: f64,
     /// The motion.
-    pub ending: Ending,
+    pub ending: LongTermMotion,
 }
 
 /// Two motions in words, rest first and cycles before others.
@@ -121,11 +121,11 @@ pub(super) fn words(kinds: [Kind; 2]) -> String {
 
 /// Rest and a motion beside it at one value of µ.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Both {
+pub struct RestAndMotion {
     /// µ.
     pub friction: f64,
     /// Rest first.
-    pub endings: [Ending; 2],
+    pub endings: [LongTermMotion; 2],
     /// `true` if contacts take the states of the candidate in the motion.
     pub takes: [bool; 2],
 }
@@ -148,7 +148,7 @@ pub struct Continuation {
     pub more: bool,
     /// For each of [`Plan::candidates`](super::Plan::candidates) some values of µ in each part of it in which both rest and a
     /// motion beside it were met, once for each such motion.
-    pub compared: Vec<Vec<Both>>,
+    pub compared: Vec<Vec<RestAndMotion>>,
 }
 
 #[cfg(test)]

@@ -1,15 +1,15 @@
 //! Following a motion from one value of µ to the next.
 
 use super::Plan;
-use super::findings::{Jump, Point, Way};
+use super::findings::{Jump, Point, SweepDirection};
 use super::followed::{Followed, Reached, is_known, is_open};
 use crate::assign::assign;
 use crate::study::Watch;
 use crate::study::difference::{are_two, have_other_kinds};
-use crate::study::ending::{Ending, Kind};
 use crate::study::journal::Journal;
+use crate::study::long_term::{Kind, LongTermMotion};
 use crate::study::push::Push;
-use crate::study::settling::settle;
+use crate::study::settling::run_to_steady_state;
 use crate::sweep::FRICTION;
 use amontons::Error;
 use amontons::scene::Scene;
@@ -40,7 +40,7 @@ const WAITS: f64 = 2.0;
 /// A piece of the work: the ending that was found, and the state from which the next value starts.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Piece {
-    ending: Result<Ending, String>,
+    ending: Result<LongTermMotion, String>,
     progress: Option<Progress>,
 }
 
@@ -50,7 +50,7 @@ pub(super) enum Start<'a> {
     /// The state in which another value has ended.
     From(&'a Reached),
     /// The state of the first value of a way: upwards at rest, downwards as the scene says, which may be in a cycle.
-    Scene(Way),
+    Scene(SweepDirection),
 }
 
 /// A plan on its way.
@@ -79,8 +79,10 @@ impl<'a> PlanRun<'a> {
 
     /// Number of rows that a run has taken.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    fn rows_of(&self, ending: &Result<Ending, String>) -> u64 {
-        ending.as_ref().map_or(1, |ending| (ending.time / self.plan.look.interval).ceil() as u64)
+    fn rows_of(&self, ending: &Result<LongTermMotion, String>) -> u64 {
+        ending
+            .as_ref()
+            .map_or(1, |ending| (ending.time / self.plan.observation.interval).ceil() as u64)
     }
 
     /// `true` of a scene that starts anywhere else than in its equilibrium.
@@ -89,16 +91,20 @@ impl<'a> PlanRun<'a> {
     }
 
     /// The values that are asked for, in the order of a way.
-    pub(super) fn values(&self, way: Way) -> Vec<f64> {
+    pub(super) fn values(&self, way: SweepDirection) -> Vec<f64> {
         let values = self.plan.values.iter().copied();
         match way {
-            Way::Rising => values.collect(),
-            Way::Falling => values.rev().collect(),
+            SweepDirection::Rising => values.collect(),
+            SweepDirection::Falling => values.rev().collect(),
         }
     }
 
     /// All values of one way, in its order, as far as it goes.
-    pub(super) fn follow(&self, way: Way, step_done: &dyn Fn()) -> Result<Option<Followed>, Error> {
+    pub(super) fn follow(
+        &self,
+        way: SweepDirection,
+        step_done: &dyn Fn(),
+    ) -> Result<Option<Followed>, Error> {
         let values = self.values(way);
         let label = way.name().to_owned();
         let Some(first) = self.reach(&label, values[0], Start::Scene(way))? else {
@@ -108,27 +114,27 @@ impl<'a> PlanRun<'a> {
         step_done();
         let is_done = self.advance_through(&mut followed, &values[1..], |followed| {
             step_done();
-            followed.goes_on()
+            followed.can_continue()
         })?;
         Ok(is_done.then_some(followed))
     }
 
-    /// Follows a motion through values, as far as it goes and as long as it is to; `goes_on` is asked after each value. `false` if
+    /// Follows a motion through values, as far as it goes and as long as it is to; `can_continue` is asked after each value. `false` if
     /// the watch ended it.
     pub(super) fn advance_through(
         &self,
         followed: &mut Followed,
         values: &[f64],
-        goes_on: impl Fn(&Followed) -> bool,
+        can_continue: impl Fn(&Followed) -> bool,
     ) -> Result<bool, Error> {
-        if !followed.goes_on() {
+        if !followed.can_continue() {
             return Ok(true);
         }
         for value in values {
             if !self.advance(followed, *value)? {
                 return Ok(false);
             }
-            if !goes_on(followed) {
+            if !can_continue(followed) {
                 break;
             }
         }
@@ -254,9 +260,13 @@ impl<'a> PlanRun<'a> {
         Simulation::new(scene, 0.0)
     }
 
-    fn run(&self, friction: f64, start: Start<'_>) -> Result<Option<(Ending, Progress)>, Error> {
+    fn run(
+        &self,
+        friction: f64,
+        start: Start<'_>,
+    ) -> Result<Option<(LongTermMotion, Progress)>, Error> {
         let mut simulation = match start {
-            Start::Scene(Way::Falling) => Simulation::new(self.scene(friction)?, 0.0)?,
+            Start::Scene(SweepDirection::Falling) => Simulation::new(self.scene(friction)?, 0.0)?,
             Start::From(Reached { point, progress: Some(progress) })
                 if !point.ending.as_ref().is_ok_and(has_no_state) =>
             {
@@ -264,15 +274,18 @@ impl<'a> PlanRun<'a> {
             }
             // An equilibrium moves with µ; a motion that rests follows it, and one that grows without bound has no state to
             // begin with.
-            Start::Scene(Way::Rising) | Start::From(_) => self.at_rest(friction)?,
+            Start::Scene(SweepDirection::Rising) | Start::From(_) => self.at_rest(friction)?,
         };
         self.plan.push.give(&mut simulation);
-        let mut ending = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
+        let mut ending =
+            run_to_steady_state(&mut simulation, self.plan.observation, &|| self.watch.is_over())?;
         // A motion that drifts slowly to another one would else drift on with each further value, and no jump be seen.
         for _ in 0..MORE_TIMES {
             match &ending {
                 Some(drifts) if is_drifting(drifts) => {
-                    ending = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
+                    ending = run_to_steady_state(&mut simulation, self.plan.observation, &|| {
+                        self.watch.is_over()
+                    })?;
                 }
                 _ => break,
             }
@@ -293,8 +306,8 @@ impl<'a> PlanRun<'a> {
         &self,
         friction: f64,
         from: &Reached,
-        ending: &Ending,
-    ) -> Result<Option<(Ending, Progress)>, Error> {
+        ending: &LongTermMotion,
+    ) -> Result<Option<(LongTermMotion, Progress)>, Error> {
         let (Some(before), Some(progress)) = (from.ending(), &from.progress) else {
             return Ok(None);
         };
@@ -303,15 +316,16 @@ impl<'a> PlanRun<'a> {
         }
         let mut simulation = self.resume(friction, progress.clone())?;
         self.plan.push.give_part(&mut simulation, SMALLER);
-        let interval = self.plan.look.interval;
+        let interval = self.plan.observation.interval;
         let first = (simulation.time() / interval).round();
         let rows = (WAITS * ending.time / interval).ceil();
         let go_on = || if self.watch.is_over() { Break(()) } else { Continue(()) };
         if simulation.advance_while((first + rows) * interval, go_on)?.is_break() {
             return Ok(None);
         }
-        let after = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
-        let stays = |after: &Ending| !are_two(before, after);
+        let after =
+            run_to_steady_state(&mut simulation, self.plan.observation, &|| self.watch.is_over())?;
+        let stays = |after: &LongTermMotion| !are_two(before, after);
         Ok(after.filter(stays).map(|after| (after, simulation.save().into_progress())))
     }
 
@@ -321,7 +335,7 @@ impl<'a> PlanRun<'a> {
         &self,
         friction: f64,
         followed: &Followed,
-    ) -> Result<Option<Option<(Ending, Progress)>>, Error> {
+    ) -> Result<Option<Option<(LongTermMotion, Progress)>>, Error> {
         let Some(start) = followed.nearest(friction) else { return Ok(Some(None)) };
         let from = start.point.friction;
         let label = format!("{}, compared at {friction:?}:", followed.label);
@@ -342,13 +356,13 @@ impl<'a> PlanRun<'a> {
 
 /// `true` if contacts change their states in the motion and it has not settled, or has not come back as near as a
 /// periodic one does.
-fn is_drifting(ending: &Ending) -> bool {
+fn is_drifting(ending: &LongTermMotion) -> bool {
     let is_open = ending.kind == Kind::Unsettled
         || ending.kind == Kind::Undecided && ending.closure.is_some();
     is_open && !ending.linear
 }
 
 /// `true` of a motion after which the next value starts in its own equilibrium.
-fn has_no_state(ending: &Ending) -> bool {
+fn has_no_state(ending: &LongTermMotion) -> bool {
     ending.rests() || ending.kind == Kind::Unbounded
 }

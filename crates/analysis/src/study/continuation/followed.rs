@@ -1,8 +1,8 @@
 //! Motions over µ as far as they were followed.
 
-use super::findings::{Jump, Point, Way};
+use super::findings::{Jump, Point, SweepDirection};
 use crate::study::difference::{OTHER_EXTENT, are_two, distance, is_exact};
-use crate::study::ending::{Ending, Kind};
+use crate::study::long_term::{Kind, LongTermMotion};
 use amontons::numerics::range;
 use amontons::simulation::Progress;
 
@@ -22,7 +22,7 @@ impl Reached {
         Self { point: Point { friction, ending }, progress: None }
     }
 
-    pub(super) fn ending(&self) -> Option<&Ending> {
+    pub(super) fn ending(&self) -> Option<&LongTermMotion> {
         self.point.ending.as_ref().ok()
     }
 
@@ -45,7 +45,7 @@ impl Reached {
 /// One way, or another motion, as far as it was followed.
 #[derive(Clone)]
 pub(super) struct Followed {
-    pub(super) way: Way,
+    pub(super) way: SweepDirection,
     /// Its label in the journal, and nowhere else: the journal identifies a piece of work by the label and the values
     /// of µ.
     pub(super) label: String,
@@ -65,7 +65,7 @@ pub(super) struct Followed {
 
 impl Followed {
     /// A way, which passes its jumps.
-    pub(super) fn way(way: Way, label: String, first: Reached) -> Self {
+    pub(super) fn way(way: SweepDirection, label: String, first: Reached) -> Self {
         Self {
             way,
             label,
@@ -79,7 +79,12 @@ impl Followed {
     }
 
     /// One motion, which is followed no farther than to its first jump and for no more than some rows.
-    pub(super) fn motion(way: Way, label: String, first: Reached, rows_left: u64) -> Self {
+    pub(super) fn motion(
+        way: SweepDirection,
+        label: String,
+        first: Reached,
+        rows_left: u64,
+    ) -> Self {
         let is_leaving = first.is_open();
         Self { is_leaving, beyond: Some(Vec::new()), rows_left, ..Self::way(way, label, first) }
     }
@@ -99,7 +104,7 @@ impl Followed {
     }
 
     /// `true` if a motion of it at one value and the next may be the same motion.
-    pub(super) fn stays(&self, before: &Ending, after: &Ending) -> bool {
+    pub(super) fn stays(&self, before: &LongTermMotion, after: &LongTermMotion) -> bool {
         let differ = if self.looks_closely {
             are_two(before, after)
         } else {
@@ -121,15 +126,16 @@ impl Followed {
     pub(super) fn take_over(&mut self, stretch: Self) -> Vec<Reached> {
         let way = self.way;
         let along = |friction: f64| match way {
-            Way::Rising => friction,
-            Way::Falling => -friction,
+            SweepDirection::Rising => friction,
+            SweepDirection::Falling => -friction,
         };
         let [Some(first), Some(last)] = [stretch.passed.first(), stretch.passed.last()] else {
             return Vec::new();
         };
         let [from, to] = [first, last].map(|end| along(end.point.friction));
-        let goes_on = stretch.goes_on();
-        let is_beside = |friction: f64| along(friction) < from || goes_on && along(friction) > to;
+        let can_continue = stretch.can_continue();
+        let is_beside =
+            |friction: f64| along(friction) < from || can_continue && along(friction) > to;
         let (kept, replaced): (Vec<_>, Vec<_>) = std::mem::take(&mut self.passed)
             .into_iter()
             .partition(|reached| is_beside(reached.point.friction));
@@ -156,7 +162,7 @@ impl Followed {
     }
 
     /// `true` if it can be followed further from where it is.
-    pub(super) fn goes_on(&self) -> bool {
+    pub(super) fn can_continue(&self) -> bool {
         let has_ended = self.beyond.is_some() && !self.jumps.is_empty();
         !has_ended && self.passed.last().is_some_and(|last| last.progress.is_some())
     }
@@ -227,17 +233,17 @@ impl Followed {
 }
 
 /// `true` of two motions at the same value that are known and are the same one.
-pub(super) fn are_alike(a: &Ending, b: &Ending) -> bool {
+pub(super) fn are_alike(a: &LongTermMotion, b: &LongTermMotion) -> bool {
     is_known(a) && is_known(b) && !are_two(a, b)
 }
 
 /// `true` of a motion that has settled, or is on its way to rest or away from it.
-pub(super) fn is_known(ending: &Ending) -> bool {
+pub(super) fn is_known(ending: &LongTermMotion) -> bool {
     ending.kind != Kind::Unsettled || ending.is_known()
 }
 
 /// `true` of a motion that may become any motion.
-pub(super) fn is_open(ending: &Ending) -> bool {
+pub(super) fn is_open(ending: &LongTermMotion) -> bool {
     ending.kind == Kind::Unsettled && !ending.rests()
 }
 
@@ -265,7 +271,8 @@ mod tests {
 
     fn falling(values: &[f64], fails: bool) -> Followed {
         let mut reached = passed(values, fails).into_iter();
-        let mut way = Followed::way(Way::Falling, "falling".to_owned(), reached.next().unwrap());
+        let mut way =
+            Followed::way(SweepDirection::Falling, "falling".to_owned(), reached.next().unwrap());
         way.passed.extend(reached);
         way
     }
@@ -278,7 +285,13 @@ mod tests {
     fn jump(from: f64) -> Jump {
         let between = [from, from - 1e-4];
         let endings = [0, 1].map(|_| undecided(1e-4, 0.0, 168.0));
-        Jump { way: Way::Falling, among: Some(Way::Falling), is_end: false, between, endings }
+        Jump {
+            way: SweepDirection::Falling,
+            among: Some(SweepDirection::Falling),
+            is_end: false,
+            between,
+            endings,
+        }
     }
 
     #[test]
@@ -307,6 +320,6 @@ mod tests {
         let mut way = falling(&[0.9, 0.8, 0.75, 0.7, 0.6], false);
         way.take_over(falling(&[0.8, 0.79, 0.78], true));
         assert_eq!(values(&way), [0.9, 0.8, 0.79, 0.78]);
-        assert!(!way.goes_on());
+        assert!(!way.can_continue());
     }
 }

@@ -19,11 +19,13 @@ mod motions;
 mod ranges;
 mod small_jumps;
 
-pub use findings::{Bistable, Both, Continuation, Jump, Point, Third, Way};
+pub use findings::{
+    Bistable, Continuation, Jump, Point, RestAndMotion, SweepDirection, ThirdMotion,
+};
 
 use super::Watch;
 use super::journal::Journal;
-use super::look::Look;
+use super::observation::ObservationSettings;
 use super::push::Push;
 use crate::assign::assign;
 use crate::stability::candidates::Candidate;
@@ -43,7 +45,7 @@ pub struct Plan<'a> {
     /// The scene, with the method and step that are to be used.
     pub scene: &'a Scene,
     /// Settings with which its motions are observed.
-    pub look: &'a Look,
+    pub observation: &'a ObservationSettings,
     /// Values of µ, ascending.
     pub values: &'a [f64],
     /// The size of a change of µ that a motion must survive, and the width of the bracket of a jump.
@@ -76,7 +78,7 @@ pub fn continuation(
     let all = pieces * plan.values.len() as f64;
     #[allow(clippy::cast_precision_loss)]
     let step_done = || (watch.progress)(done.fetch_add(1, Ordering::Relaxed) as f64 / all);
-    let ways = collect(2, &|i| run.follow(Way::ALL[i], &step_done), &|_| {})?;
+    let ways = collect(2, &|i| run.follow(SweepDirection::ALL[i], &step_done), &|_| {})?;
     let Some(mut ways) = ways.into_iter().collect::<Option<Vec<Followed>>>() else {
         return Ok(None);
     };
@@ -90,7 +92,8 @@ pub fn continuation(
     let mut found = FoundMotions::new(ways, run.rows());
     let mut starts: Vec<MotionStart> = rests.into_iter().chain(own).map(MotionStart::own).collect();
     starts.extend(
-        lost.into_iter().map(|(place, reached)| MotionStart::met(reached, Way::ALL[place])),
+        lost.into_iter()
+            .map(|(place, reached)| MotionStart::met(reached, SweepDirection::ALL[place])),
     );
     starts.extend(found.ways_jumped_to());
     let Ranges { bistable, unknown, .. } = loop {

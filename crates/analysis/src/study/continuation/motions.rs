@@ -4,12 +4,12 @@
 //! Each is followed unless one that was followed before has the same motion at that value. Where two others are known, a third
 //! one waits: it is followed only towards values at which fewer than two are known.
 
-use super::findings::{Jump, Point, Way};
+use super::findings::{Jump, Point, SweepDirection};
 use super::follow::{PlanRun, Start};
 use super::followed::{Followed, Reached, are_alike};
 use crate::stability::parallel::collect;
-use crate::study::ending::Ending;
 use crate::study::linear::growth_of_small;
+use crate::study::long_term::LongTermMotion;
 use amontons::Error;
 use amontons::simulation::Simulation;
 use std::collections::VecDeque;
@@ -23,9 +23,9 @@ const ROWS: u64 = 40_000_000;
 pub(super) struct MotionStart {
     reached: Reached,
     /// The way on which it was met, in which one that has not settled is followed until it has.
-    way: Way,
+    way: SweepDirection,
     /// The only way in which it is to be followed; `None` for both.
-    only: Option<Way>,
+    only: Option<SweepDirection>,
     /// For a motion that a way has jumped to and followed on: the place of the way and µ of the jump. Such a motion
     /// is followed only to find whether it exists on the other side of the jump.
     back: Option<(usize, f64)>,
@@ -35,13 +35,13 @@ pub(super) struct MotionStart {
 
 impl MotionStart {
     /// A motion that was met on a way.
-    pub(super) fn met(reached: Reached, way: Way) -> Self {
+    pub(super) fn met(reached: Reached, way: SweepDirection) -> Self {
         Self { reached, way, only: None, back: None, is_third: false }
     }
 
     /// A motion that the scene's own start leads to.
     pub(super) fn own(reached: Reached) -> Self {
-        Self::met(reached, Way::Falling)
+        Self::met(reached, SweepDirection::Falling)
     }
 }
 
@@ -117,9 +117,9 @@ impl FoundMotions {
         let apart = |start: &MotionStart, [low, high]: [f64; 2]| {
             let friction = start.reached.point.friction;
             let (apart, way) = if friction < low {
-                (low - friction, Way::Rising)
+                (low - friction, SweepDirection::Rising)
             } else {
-                (friction - high, Way::Falling)
+                (friction - high, SweepDirection::Falling)
             };
             let is_open = apart > 0.0 && start.only.is_none_or(|only| only == way);
             is_open.then_some((apart, way))
@@ -167,7 +167,10 @@ impl FoundMotions {
                 let passed = values.iter().copied().filter(|value| other.covers(*value));
                 let last = passed.min_by(|a, b| apart(a).total_cmp(&apart(b)));
                 let is_shown = last.is_some_and(|last| self.shown(last) == Some(place));
-                jumps.push(Jump { among: is_shown.then_some(Way::Falling), ..jump.clone() });
+                jumps.push(Jump {
+                    among: is_shown.then_some(SweepDirection::Falling),
+                    ..jump.clone()
+                });
             }
         }
         jumps.sort_by(|a, b| (a.way as u8).cmp(&(b.way as u8)).then(a.at().total_cmp(&b.at())));
@@ -206,7 +209,7 @@ impl PlanRun<'_> {
         let mut is_next = false;
         for value in self.plan.values {
             let rests = |way: &Followed| {
-                way.at(*value).and_then(Reached::ending).is_some_and(Ending::rests)
+                way.at(*value).and_then(Reached::ending).is_some_and(LongTermMotion::rests)
             };
             if ways.iter().any(rests) || !self.may_rest(*value) {
                 is_next = false;
@@ -233,12 +236,12 @@ impl PlanRun<'_> {
 
     /// The motion that a small push out of rest leads to at a value of µ.
     pub(super) fn rest(&self, friction: f64) -> Result<Option<Reached>, Error> {
-        self.reach("rest", friction, Start::Scene(Way::Rising))
+        self.reach("rest", friction, Start::Scene(SweepDirection::Rising))
     }
 
     /// The motion that the scene's own start leads to at a value.
     pub(super) fn own_start(&self, friction: f64) -> Result<Option<Reached>, Error> {
-        self.reach("start", friction, Start::Scene(Way::Falling))
+        self.reach("start", friction, Start::Scene(SweepDirection::Falling))
     }
 
     /// Follows all motions that are not known yet, and those that they give way to. `false` if the watch ended it.
@@ -291,7 +294,11 @@ impl PlanRun<'_> {
             let ends_there = start.back.is_some_and(|(_, at)| {
                 let [low, high] = followed.extent();
                 let near = 2.0 * self.plan.resolution;
-                if start.way == Way::Rising { low >= at - near } else { high <= at + near }
+                if start.way == SweepDirection::Rising {
+                    low >= at - near
+                } else {
+                    high <= at + near
+                }
             });
             let has_failed = followed.passed.iter().any(|reached| reached.point.ending.is_err());
             for (reached, jump) in followed.beyond.iter().flatten().zip(&followed.jumps) {
@@ -311,16 +318,16 @@ impl PlanRun<'_> {
             return Ok(Some(motion));
         }
         let values = self.beyond(first, motion.way);
-        let is_open = |motion: &Followed| motion.is_leaving && motion.goes_on();
+        let is_open = |motion: &Followed| motion.is_leaving && motion.can_continue();
         Ok(self.advance_through(&mut motion, &values, is_open)?.then_some(motion))
     }
 
     /// The values beyond one, in the order of a way.
-    fn beyond(&self, friction: f64, way: Way) -> Vec<f64> {
+    fn beyond(&self, friction: f64, way: SweepDirection) -> Vec<f64> {
         let mut values = self.values(way);
         values.retain(|value| match way {
-            Way::Rising => *value > friction,
-            Way::Falling => *value < friction,
+            SweepDirection::Rising => *value > friction,
+            SweepDirection::Falling => *value < friction,
         });
         values
     }
@@ -356,14 +363,14 @@ impl PlanRun<'_> {
     ) -> Result<Option<Followed>, Error> {
         let rows_left = if start.only.is_some() { rows_left } else { rows_left / 2 };
         let follow = |i: usize| {
-            let way = [Way::Falling, Way::Rising][i];
+            let way = [SweepDirection::Falling, SweepDirection::Rising][i];
             let label = format!("{label} {}", way.name());
             let mut followed = Followed::motion(way, label, start.reached.clone(), rows_left);
             if start.only.is_some_and(|only| only != way) {
                 return Ok(Some(followed));
             }
             let values = self.beyond(start.reached.point.friction, way);
-            let is_done = self.advance_through(&mut followed, &values, Followed::goes_on)?;
+            let is_done = self.advance_through(&mut followed, &values, Followed::can_continue)?;
             Ok(is_done.then_some(followed))
         };
         let followed = collect(2, &follow, &|_| {})?;

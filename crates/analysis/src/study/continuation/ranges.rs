@@ -1,11 +1,11 @@
 //! Ranges of µ in which two motions were met.
 
-use super::findings::{Bistable, Both, Third, words};
+use super::findings::{Bistable, RestAndMotion, ThirdMotion, words};
 use super::follow::PlanRun;
 use super::followed::{Followed, Reached, are_alike};
 use super::motions::FoundMotions;
 use crate::stability::candidates::Candidate;
-use crate::study::ending::{Ending, Kind};
+use crate::study::long_term::{Kind, LongTermMotion};
 use crate::study::visit::visited;
 use amontons::Error;
 use amontons::simulation::Progress;
@@ -29,7 +29,7 @@ pub(super) struct Ranges {
 /// All motions that are known at a value.
 pub(super) struct Motions {
     /// The known motions, each once; that of the way upwards first, then that of the way downwards.
-    pub(super) known: Vec<(Ending, Progress)>,
+    pub(super) known: Vec<(LongTermMotion, Progress)>,
     /// `true` where another one that was met may be there and is not known.
     misses: bool,
 }
@@ -74,7 +74,7 @@ impl PlanRun<'_> {
         candidate: &Candidate,
         bistable: &[Bistable],
         found: &FoundMotions,
-    ) -> Result<Option<Vec<Both>>, Error> {
+    ) -> Result<Option<Vec<RestAndMotion>>, Error> {
         let mut compared = Vec::new();
         let [from, to] = candidate.range;
         for range in bistable.iter().filter(|range| range.rests) {
@@ -89,10 +89,14 @@ impl PlanRun<'_> {
                     let mut takes = [false; 2];
                     if other.kind.is_cycle() {
                         let simulation = self.resume(friction, progress.clone())?;
-                        let visited = visited(&simulation, self.plan.look, other.period)?;
+                        let visited = visited(&simulation, self.plan.observation, other.period)?;
                         takes[1] = visited.has(&candidate.states);
                     }
-                    compared.push(Both { friction, endings: [rest.clone(), other.clone()], takes });
+                    compared.push(RestAndMotion {
+                        friction,
+                        endings: [rest.clone(), other.clone()],
+                        takes,
+                    });
                 }
             }
         }
@@ -120,7 +124,7 @@ impl PlanRun<'_> {
 
 impl Motions {
     /// `true` if a motion is one of them.
-    pub(super) fn has(&self, ending: &Ending) -> bool {
+    pub(super) fn has(&self, ending: &LongTermMotion) -> bool {
         self.known.iter().any(|(known, _)| are_alike(known, ending))
     }
 
@@ -158,9 +162,10 @@ impl Ranges {
             return;
         };
         let rests = first.rests() != second.rests();
-        let kind = |ending: &Ending| if ending.rests() { Kind::Equilibrium } else { ending.kind };
+        let kind =
+            |ending: &LongTermMotion| if ending.rests() { Kind::Equilibrium } else { ending.kind };
         let kinds = [kind(&first), kind(&second)];
-        let third = third.map(|ending| Third { friction, ending });
+        let third = third.map(|ending| ThirdMotion { friction, ending });
         match self.bistable.last_mut() {
             Some(last) if last.range[1] == range[0] && last.words() == words(kinds) => {
                 (last.range[1], last.bounded[1]) = (range[1], bounded[1]);

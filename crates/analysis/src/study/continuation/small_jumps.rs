@@ -69,7 +69,7 @@ impl PlanRun<'_> {
                 [Some(a), Some(b)] => are_alike(a, b) && is_exact(a) == is_exact(b),
                 _ => false,
             };
-            stretch.goes_on() && !is_back
+            stretch.can_continue() && !is_back
         };
         Ok(self.advance_through(&mut stretch, values, is_other)?.then_some(stretch))
     }

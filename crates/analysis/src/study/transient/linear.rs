@@ -12,7 +12,7 @@
 
 use super::curve::Curve;
 use super::growth::{Phase, ROUNDING};
-use super::rows::{Drives, Explained, Level, Rows};
+use super::rows::{Drives, ExplainedInterval, Level, Rows};
 use super::trace::Trace;
 use crate::stability::Linearised;
 use crate::study::basis::{Basis, scheme_step};
@@ -52,7 +52,7 @@ pub(super) struct Found {
     /// Changes by less.
     pub(super) slow: Vec<Slow>,
     /// Stretches in which the modes explain the motion: all that matter follow their exponentials.
-    pub(super) explained: Vec<Explained>,
+    pub(super) explained: Vec<ExplainedInterval>,
     /// Modes that oscillate too slowly for the run to show them.
     pub(super) too_slow: Option<TooSlow>,
 }
@@ -110,7 +110,7 @@ struct Traced {
     states: Vec<ContactState>,
     modes: Vec<Trace>,
     /// The stretch, if the modes that matter follow their exponentials all the time.
-    explained: Option<Explained>,
+    explained: Option<ExplainedInterval>,
 }
 
 impl Follower {
@@ -159,8 +159,8 @@ impl Follower {
         displacement: &[f64],
         velocity: &[f64],
     ) {
-        let goes_on = |rows: &Rows| rows.changes == changes && rows.states == states;
-        if !self.stretch.as_ref().is_some_and(goes_on) {
+        let can_continue = |rows: &Rows| rows.changes == changes && rows.states == states;
+        if !self.stretch.as_ref().is_some_and(can_continue) {
             // A surface that is turned round at an edge is followed at once.
             #[allow(clippy::cast_precision_loss)]
             let is_at_edge = self.drives.next_edge <= row as f64 * self.interval * (1.0 + 1e-12);
@@ -185,7 +185,7 @@ impl Follower {
             // A mass that a surface carries along slips again.
             let stands = drives.is_empty() && rows.fastest() * interval <= STANDS * largest;
             if stands && self.holds_all(&rows.states) {
-                let explained = Some(Explained { rests: true, ..rows.explained(interval) });
+                let explained = Some(ExplainedInterval { rests: true, ..rows.explained(interval) });
                 self.finished.push(Traced { states: rows.states, modes: Vec::new(), explained });
             }
             return;
@@ -277,8 +277,9 @@ impl Follower {
             let mut begin = found.len();
             for mode in modes.drain(..) {
                 let last = (before.0 == *states).then_some(before.1.clone());
-                let goes_on = |place: &usize| found[*place].goes_on_in(&mode, 2.5 * self.interval);
-                match last.into_iter().flatten().find(goes_on) {
+                let can_continue =
+                    |place: &usize| found[*place].continues_in(&mode, 2.5 * self.interval);
+                match last.into_iter().flatten().find(can_continue) {
                     Some(place) => {
                         begin -= 1;
                         let whole = found.remove(place).joined(&mode);
@@ -319,8 +320,8 @@ impl Basis {
     #[allow(clippy::cast_precision_loss)]
     fn trace(&self, rows: &Rows, drives: &[f64], interval: f64, largest: f64) -> Traced {
         let begin = rows.first as f64 * interval;
-        let look = |level: &Level| self.look(level, begin, drives, interval, largest);
-        let mut levels: Vec<Vec<SeenMode>> = rows.levels.iter().map(look).collect();
+        let observation = |level: &Level| self.observation(level, begin, drives, interval, largest);
+        let mut levels: Vec<Vec<SeenMode>> = rows.levels.iter().map(observation).collect();
         let whole = levels.iter().last().into_iter().flatten();
         let is_explained = whole.into_iter().all(|seen| seen.is_straight || !seen.matters);
         let explained = rows.explained(interval);
@@ -345,7 +346,7 @@ impl Basis {
 
     /// Each mode as the rows of a level show it.
     #[allow(clippy::cast_precision_loss)]
-    fn look(
+    fn observation(
         &self,
         Level { step, kept }: &Level,
         begin: f64,
@@ -374,7 +375,7 @@ impl Basis {
                 .fold(0.0, |most, w| f64::max(most, w.norm()))
         };
         let strongest: Vec<f64> = (0..coefficients.len()).map(strongest).collect();
-        let look = |curve: &Option<Curve>| {
+        let observation = |curve: &Option<Curve>| {
             curve.as_ref().map_or_else(SeenMode::default, |curve| {
                 let is_seen = |i: &usize| {
                     let last = (i + curve.reach).min(levels.len() - 1);
@@ -384,7 +385,7 @@ impl Basis {
                 curve.seen(&rows, &strongest, begin, step)
             })
         };
-        curves.iter().map(look).collect()
+        curves.iter().map(observation).collect()
     }
 }
 

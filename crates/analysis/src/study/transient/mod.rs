@@ -26,11 +26,11 @@ mod trace;
 
 pub use bands::{Band, Combination};
 pub use growth::{Growth, Phase, growth};
-pub use open::Open;
-pub use stretches::{StateTimeline, Stretch};
+pub use open::OpenQuestion;
+pub use stretches::{Interval, StateTimeline};
 
 use super::basis::scheme_step;
-use super::look::{ROWS_A_PERIOD, frequencies, output};
+use super::observation::{ROWS_A_PERIOD, frequencies, output};
 use super::{Watch, unit};
 use crate::record::record_rows;
 use crate::spectral::Spectrogram;
@@ -68,7 +68,7 @@ pub struct Eigenvalue {
 
 /// The states that all contacts have together for a part of a stretch of time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Taken {
+pub struct StateShare {
     /// The states contact by contact, such as `Sl-St`.
     pub states: String,
     /// The part of the time, from 0 to 1.
@@ -88,7 +88,7 @@ pub struct Finding {
     /// moves.
     pub resting: Option<Eigenvalue>,
     /// The states in which the contacts were, longest first.
-    pub taken: Vec<Taken>,
+    pub taken: Vec<StateShare>,
 }
 
 /// The growth and decay of one run.
@@ -119,7 +119,7 @@ pub struct Transient {
     /// Each of `growth.phases` beside eigenvalues.
     pub findings: Vec<Finding>,
     /// Questions that the run is too short to answer.
-    pub open: Vec<Open>,
+    pub open: Vec<OpenQuestion>,
     /// Features of the scene that the eigenvalues leave out: sentences.
     pub left_out: Vec<String>,
     /// The states that each contact takes over time.

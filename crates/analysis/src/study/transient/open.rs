@@ -2,7 +2,7 @@
 
 use super::growth::{FEWEST_PERIODS, Growth, Phase};
 use super::linear::{Slow, TooSlow};
-use super::rows::Explained;
+use super::rows::ExplainedInterval;
 use serde::Serialize;
 use std::f64::consts::LN_10;
 
@@ -16,7 +16,7 @@ const MARGIN: f64 = 1.1;
 /// A question that a longer run would answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Open {
+pub enum OpenQuestion {
     /// A mode that grows or decays to the end of the run, but less than tenfold.
     LessThanTenfold {
         /// The growth or decay, as far as the run shows it.
@@ -67,14 +67,14 @@ pub enum Open {
 /// not follow the modes. Between two changes of state, stretches have to last for some periods of the strongest line
 /// to be no part of these.
 pub(super) fn unexplained(
-    explained: &[Explained],
+    explained: &[ExplainedInterval],
     end: f64,
     dominant: Option<f64>,
 ) -> Vec<[f64; 2]> {
     let shortest = dominant.map_or(0.0, |frequency| FEWEST_PERIODS / frequency);
     let mut found = Vec::new();
     let mut from = 0.0;
-    for &Explained { span: [begin, last], is_woken, rests } in explained {
+    for &ExplainedInterval { span: [begin, last], is_woken, rests } in explained {
         let rests = rests && last >= end * (1.0 - 1e-9);
         if !is_woken && !rests && last - begin < shortest {
             continue;
@@ -96,7 +96,7 @@ pub(super) fn questions(
     unexplained: &[[f64; 2]],
     growth: &Growth,
     (end, is_driven): (f64, bool),
-) -> Vec<Open> {
+) -> Vec<OpenQuestion> {
     let lasts = |span: [f64; 2]| span[1] >= end * (1.0 - 1e-2);
     // The last of many short stretches between changes of state ends with the run by chance.
     let is_by_chance =
@@ -123,12 +123,12 @@ pub(super) fn questions(
             }
             let stop_time = phase.span[0] + MARGIN * LN_10 / phase.rate.abs();
             let phase = phase.to(end);
-            return Some(Open::LessThanTenfold { phase, stop_time, is_beside_growth });
+            return Some(OpenQuestion::LessThanTenfold { phase, stop_time, is_beside_growth });
         }
         let is_ended_by_others = is_driven || is_beside_growth;
-        is_whole.then_some(Open::EndsBeforeTenfold { phase, is_ended_by_others })
+        is_whole.then_some(OpenQuestion::EndsBeforeTenfold { phase, is_ended_by_others })
     });
-    let too_slow = too_slow.map(|TooSlow { from, count, slowest, length }| Open::TooSlow {
+    let too_slow = too_slow.map(|TooSlow { from, count, slowest, length }| OpenQuestion::TooSlow {
         count,
         frequency: slowest,
         stop_time: from + MARGIN * length,
@@ -139,11 +139,11 @@ pub(super) fn questions(
         let periods = length * frequency;
         if periods < FEWEST_PERIODS {
             let stop_time = span[0] + MARGIN * FEWEST_PERIODS / frequency;
-            return Some(Open::TooShort { span, periods, stop_time });
+            return Some(OpenQuestion::TooShort { span, periods, stop_time });
         }
         let is_found =
             growth.phases.iter().any(|phase| phase.span[0] >= span[0] && lasts(phase.span));
-        (!is_found).then(|| Open::Slower { span, rate: LN_10 / length })
+        (!is_found).then(|| OpenQuestion::Slower { span, rate: LN_10 / length })
     });
     less.chain(too_slow).chain(last).collect()
 }
@@ -154,16 +154,17 @@ mod tests {
 
     #[test]
     fn short_stretches_between_two_changes_are_part_of_what_is_not_explained() {
-        let of = |span: [f64; 2]| Explained { span, is_woken: span[0] == 0.0, rests: false };
+        let of =
+            |span: [f64; 2]| ExplainedInterval { span, is_woken: span[0] == 0.0, rests: false };
         let explained = [[0.0, 0.1], [0.2, 0.21], [0.4, 0.9]].map(of);
         assert_eq!(unexplained(&explained, 1.0, Some(100.0)), [[0.1, 0.4], [0.9, 1.0]]);
         assert_eq!(unexplained(&[of([0.0, 1.0])], 1.0, Some(100.0)), Vec::<[f64; 2]>::new());
         // A knock is no change of state.
-        let after = Explained { is_woken: true, ..of([0.1, 0.2]) };
+        let after = ExplainedInterval { is_woken: true, ..of([0.1, 0.2]) };
         let knocked = unexplained(&[explained[0], after], 0.2, Some(100.0));
         assert_eq!(knocked, Vec::<[f64; 2]>::new());
         // Nor is anything left open by masses that rest to the end.
-        let held = |span| Explained { rests: true, ..of(span) };
+        let held = |span| ExplainedInterval { rests: true, ..of(span) };
         let spans = unexplained(&[held([0.2, 0.21]), held([0.95, 1.0])], 1.0, Some(100.0));
         assert_eq!(spans, [[0.0, 0.95]]);
         assert_eq!(unexplained(&[], 1.0, None), [[0.0, 1.0]]);
@@ -188,10 +189,12 @@ mod tests {
         let asked =
             |span| questions((vec![slow(span)], None), &[[0.5, 1.0]], &growth, (1.0, false));
         assert!(
-            !asked([0.995, 1.0]).iter().any(|open| matches!(open, Open::LessThanTenfold { .. }))
+            !asked([0.995, 1.0])
+                .iter()
+                .any(|open| matches!(open, OpenQuestion::LessThanTenfold { .. }))
         );
         let open = questions((vec![slow([0.0, 1.0])], None), &[], &growth, (1.0, false));
-        assert!(matches!(open[..], [Open::LessThanTenfold { .. }]), "{open:?}");
+        assert!(matches!(open[..], [OpenQuestion::LessThanTenfold { .. }]), "{open:?}");
         // This mode has been seen to decay tenfold elsewhere, or one of another frequency has, or it has grown.
         let with = |rate, frequency| {
             let phases = vec![Phase { rate, frequency, ..phase([0.0, 0.5]) }];
@@ -206,11 +209,13 @@ mod tests {
     fn a_rest_of_few_periods_asks_for_a_longer_run() {
         let growth = Growth { dominant: Some(100.0), ..Growth::default() };
         let open = questions((Vec::new(), None), &[[0.9, 1.0]], &growth, (1.0, false));
-        let [Open::TooShort { periods, stop_time, .. }] = open[..] else { panic!("{open:?}") };
+        let [OpenQuestion::TooShort { periods, stop_time, .. }] = open[..] else {
+            panic!("{open:?}")
+        };
         assert!((periods - 10.0).abs() < 1e-9 && (stop_time - 1.164).abs() < 1e-9, "{open:?}");
         // 50 periods: a change tenfold over half a second would have been seen.
         let open = questions((Vec::new(), None), &[[0.5, 1.0]], &growth, (1.0, false));
-        let [Open::Slower { rate, .. }] = open[..] else { panic!("{open:?}") };
+        let [OpenQuestion::Slower { rate, .. }] = open[..] else { panic!("{open:?}") };
         assert!((rate - LN_10 / 0.5).abs() < 1e-9, "{open:?}");
         assert_eq!(questions((Vec::new(), None), &[[0.1, 0.5]], &growth, (1.0, false)), []);
     }

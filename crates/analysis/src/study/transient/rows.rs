@@ -9,7 +9,7 @@ const MOST_ROWS: usize = 512;
 
 /// A stretch of time that the modes explain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Explained {
+pub(super) struct ExplainedInterval {
     /// Beginning and end of the stretch, s.
     pub(super) span: [f64; 2],
     /// `true` if it begins with the run or at an edge of a signal, and not where a contact has changed its state.
@@ -82,9 +82,9 @@ impl Rows {
     /// The stretch as a span that the modes explain, with rows each `interval`, s. The time between two stretches
     /// belongs to the second.
     #[allow(clippy::cast_precision_loss)]
-    pub(super) fn explained(&self, interval: f64) -> Explained {
+    pub(super) fn explained(&self, interval: f64) -> ExplainedInterval {
         let span = [self.first.saturating_sub(1), self.last].map(|row| row as f64 * interval);
-        Explained { span, is_woken: self.is_woken, rests: false }
+        ExplainedInterval { span, is_woken: self.is_woken, rests: false }
     }
 
     /// The largest velocity of a degree of freedom in the last row that is kept, m/s.

@@ -1,8 +1,8 @@
 //! The contact states that a run has taken over a span of time, and their eigenvalues.
 
-use super::{Eigenvalue, Finding, Phase, Taken};
+use super::{Eigenvalue, Finding, Phase, StateShare};
 use crate::stability::Linearised;
-use amontons::contact::{ContactState, Joined};
+use amontons::contact::{ContactState, JoinedStates};
 use amontons::stability::Spectrum;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -32,9 +32,9 @@ impl<'a> Shares<'a> {
 
     pub(super) fn beside(&mut self, phase: &Phase) -> Finding {
         let resting = self.nearest(&self.linear[self.place(phase)].1.resting_state(), phase);
-        let taken = self.taken(phase.span).into_iter().map(|(states, share)| Taken {
+        let taken = self.taken(phase.span).into_iter().map(|(states, share)| StateShare {
             eigenvalue: self.nearest(&states, phase),
-            states: Joined(&states).to_string(),
+            states: JoinedStates(&states).to_string(),
             share,
         });
         Finding { taken: taken.collect(), resting, phase: phase.clone() }

@@ -38,7 +38,7 @@ impl Trace {
 
     /// `true` if a mode of the next stretch, which begins no more than `gap` (s) later, is this one, and its line has
     /// no corner there.
-    pub(super) fn goes_on_in(&self, next: &Self, gap: f64) -> bool {
+    pub(super) fn continues_in(&self, next: &Self, gap: f64) -> bool {
         let joint = 0.5 * (self.span[1] + next.span[0]);
         self.eigenvalue == next.eigenvalue
             && self.dof == next.dof

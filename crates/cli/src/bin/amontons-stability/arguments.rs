@@ -8,9 +8,9 @@ use std::path::PathBuf;
 /// Complex eigenvalues of a scene in its contact states: unstable modes and their critical friction coefficients
 #[derive(Parser)]
 #[command(name = "amontons-stability", version, arg_required_else_help = true, after_help = EXIT_CODES)]
-pub struct Arguments {
+pub struct StabilityArguments {
     #[command(subcommand)]
-    pub command: Command,
+    pub command: StabilityCommand,
 }
 
 const EXIT_CODES: &str = "For runs, studies of motions and FMUs see the first program: `amontons --help`; `amontons \
@@ -29,7 +29,7 @@ pub fn exit_code(error: &Error) -> u8 {
 }
 
 #[derive(Subcommand)]
-pub enum Command {
+pub enum StabilityCommand {
     /// Eigenvalues of all contact states (the paper's Tables 2 and 3)
     States(States),
     /// Modes over the friction coefficient or any other parameter (Fig. 2a and b)
@@ -43,7 +43,7 @@ pub enum Command {
 }
 
 #[derive(Args)]
-pub struct Common {
+pub struct SceneArguments {
     /// A scene file (TOML), or the name of a built-in scene
     pub scene: String,
     /// Give a parameter or input another value; the names are those of the FMU
@@ -77,7 +77,7 @@ pub struct Point {
 #[derive(Args)]
 pub struct States {
     #[command(flatten)]
-    pub common: Common,
+    pub common: SceneArguments,
     #[command(flatten)]
     pub point: Point,
     /// Format of the output
@@ -88,7 +88,7 @@ pub struct States {
 #[derive(Args)]
 pub struct Locus {
     #[command(flatten)]
-    pub common: Common,
+    pub common: SceneArguments,
     /// Friction coefficients from A to B, in steps of STEP or as N values
     #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = steps, allow_hyphen_values = true,
         required_unless_present = "parameter")]
@@ -110,7 +110,7 @@ pub struct Locus {
 #[derive(Args)]
 pub struct Modes {
     #[command(flatten)]
-    pub common: Common,
+    pub common: SceneArguments,
     #[command(flatten)]
     pub point: Point,
     /// Draw the mode shapes; an SVG is animated
@@ -121,7 +121,7 @@ pub struct Modes {
 #[derive(Args)]
 pub struct Bistable {
     #[command(flatten)]
-    pub common: Common,
+    pub common: SceneArguments,
     /// Friction coefficients from A to B
     #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub friction: [f64; 2],
@@ -133,7 +133,7 @@ pub struct Bistable {
 #[derive(Args)]
 pub struct Map {
     #[command(flatten)]
-    pub common: Common,
+    pub common: SceneArguments,
     /// Parameter along x with its values from A to B, in steps of STEP or as N values
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
     pub x: (String, Values),

@@ -3,10 +3,10 @@
 use crate::arguments::Bistable;
 use crate::labels::{LOCATED, significant, turn};
 use crate::{Failure, configured};
-use amontons::contact::Joined;
+use amontons::contact::JoinedStates;
 use amontons::scene::Scene;
 use amontons_analysis::stability::candidates::{Bistability, Candidate, bistability};
-use amontons_analysis::stability::{Linearised, Reach, StateClasses};
+use amontons_analysis::stability::{Linearised, StateClasses, StateEnergy};
 use amontons_analysis::study::Watch;
 use amontons_analysis::study::confirm::{Attempt, Tried, confirm};
 use amontons_analysis::sweep::FRICTION;
@@ -35,7 +35,7 @@ pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
         writeln!(out, "{note}")?;
     }
     writeln!(out, "{}", given.head())?;
-    writeln!(out, "Uniform sliding ({})", Joined(&sliding))?;
+    writeln!(out, "Uniform sliding ({})", JoinedStates(&sliding))?;
     print_uniform(&found, found.range, out)?;
     print_candidates(&found.candidates, found.widest, out)?;
     if arguments.confirm {
@@ -113,14 +113,14 @@ fn print_candidates(
         frequency => format!("{frequency:.2}"),
     };
     for candidate in candidates {
-        let needs = |part: fn(&Reach) -> f64| match &candidate.reach {
+        let needs = |part: fn(&StateEnergy) -> f64| match &candidate.reach {
             Some(reach) => significant(part(reach), 3),
             None => "never".to_owned(),
         };
         writeln!(
             out,
             "  {:12} {:>6}  {:>3}{} … {}  {:>13}  {:>13} {:>+13.4}  {:>10}  {:>10}",
-            Joined(&candidate.states).to_string(),
+            JoinedStates(&candidate.states).to_string(),
             candidate.alike,
             if candidate.begins { "" } else { "<" },
             significant(candidate.range[0], LOCATED),
@@ -178,7 +178,7 @@ fn confirm_candidates(
         "\nConfirmation by pushes from the equilibrium along the mode of each candidate"
     )?;
     for (candidate, tried) in first.iter().zip(&tried) {
-        let (states, hz) = (Joined(&candidate.states), candidate.frequency_hz);
+        let (states, hz) = (JoinedStates(&candidate.states), candidate.frequency_hz);
         write!(out, "  {states} ({hz:.2} Hz): ")?;
         match &tried.met {
             Some(Attempt { friction, push, ending: Ok(ending), .. }) => writeln!(

@@ -1,10 +1,10 @@
 //! `amontons-stability locus`.
 
-use crate::arguments::{Locus as Arguments, Values};
+use crate::arguments::{Locus as StabilityArguments, Values};
 use crate::labels::{LOCATED, at_frequency, significant, turn};
-use crate::{Failure, Given, check_effect, configured, state, with};
+use crate::{AnalysedScene, Failure, check_effect, configured, state, with};
 use amontons::Error;
-use amontons::contact::{ContactState, Joined};
+use amontons::contact::{ContactState, JoinedStates};
 use amontons::model::LumpedModel;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
@@ -20,7 +20,7 @@ use std::io::Write;
 
 /// The loci to follow: one, or one over µ for each value of another parameter.
 struct Family<'a> {
-    given: &'a Given,
+    given: &'a AnalysedScene,
     /// Notes on values that are left out.
     notes: Vec<String>,
     states: Vec<ContactState>,
@@ -44,7 +44,7 @@ struct Member {
 /// Limit of the number of loci in one picture.
 const MAX_DRAWN: usize = 24;
 
-pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+pub fn run(arguments: &StabilityArguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let (name, Values(values), other) = match (&arguments.friction, &arguments.parameter) {
         (Some(friction), parameter) => (FRICTION, friction, parameter.as_ref()),
@@ -200,7 +200,7 @@ impl Family<'_> {
 
     fn print_events(&self, out: &mut dyn Write) -> Result<(), Failure> {
         let [first, .., last] = self.values else { unreachable!("a range has two ends") };
-        let states = Joined(&self.states);
+        let states = JoinedStates(&self.states);
         writeln!(
             out,
             "{}: state {states}, {} from {first} to {last}",
@@ -246,7 +246,7 @@ impl Family<'_> {
 
     /// Fig. 2(a) and (b): real and imaginary parts of λ/2π.
     fn chart(&self) -> Chart {
-        let states = Joined(&self.states);
+        let states = JoinedStates(&self.states);
         let title = match self.other {
             None => format!("{}: eigenvalues in state {states}", self.given.scene.name),
             Some(other) => {
@@ -276,8 +276,8 @@ fn sliding_values(
                 return Err(Failure::Usage(format!(
                     "uniform sliding is {} at {name} = {from} and {} at {value}: give a range in which no surface \
                      turns, or name a contact state with --state",
-                    Joined(before),
-                    Joined(&states)
+                    JoinedStates(before),
+                    JoinedStates(&states)
                 )));
             }
             Some(_) => {}

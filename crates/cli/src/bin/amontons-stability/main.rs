@@ -20,7 +20,7 @@ use amontons_analysis::stability::Linearised;
 use amontons_analysis::sweep::FRICTION;
 use amontons_analysis::sweep::range::check_once;
 use amontons_export::scene;
-use arguments::{Arguments, Command, Common};
+use arguments::{SceneArguments, StabilityArguments, StabilityCommand};
 use clap::Parser;
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
@@ -47,12 +47,12 @@ impl From<io::Error> for Failure {
 
 fn main() -> ExitCode {
     let mut out = BufWriter::new(io::stdout().lock());
-    let result = match Arguments::parse().command {
-        Command::States(arguments) => states::run(&arguments, &mut out),
-        Command::Locus(arguments) => locus::run(&arguments, &mut out),
-        Command::Modes(arguments) => modes::run(&arguments, &mut out),
-        Command::Bistable(arguments) => bistable::run(&arguments, &mut out),
-        Command::Map(arguments) => map::run(&arguments, &mut out),
+    let result = match StabilityArguments::parse().command {
+        StabilityCommand::States(arguments) => states::run(&arguments, &mut out),
+        StabilityCommand::Locus(arguments) => locus::run(&arguments, &mut out),
+        StabilityCommand::Modes(arguments) => modes::run(&arguments, &mut out),
+        StabilityCommand::Bistable(arguments) => bistable::run(&arguments, &mut out),
+        StabilityCommand::Map(arguments) => map::run(&arguments, &mut out),
     };
     let flushed = out.flush().map_err(Failure::Output);
     match result.and(flushed) {
@@ -77,7 +77,7 @@ fn main() -> ExitCode {
 }
 
 /// A scene as a command analyses it.
-struct Given {
+struct AnalysedScene {
     /// The scene at one instant, without signals.
     scene: Scene,
     /// The instant, s; `None` for a scene without signals.
@@ -86,7 +86,7 @@ struct Given {
     left_out: Option<String>,
 }
 
-impl Given {
+impl AnalysedScene {
     /// The line under a heading that names the parts left out; empty if nothing is.
     fn head(&self) -> String {
         self.left_out.as_ref().map_or_else(String::new, |left_out| format!("{left_out}\n"))
@@ -95,7 +95,11 @@ impl Given {
 
 /// The scene with the values of the command line, at the instant that it states. `varied` are the parameters whose
 /// values the command varies.
-fn configured(common: &Common, friction: Option<f64>, varied: &[&str]) -> Result<Given, Error> {
+fn configured(
+    common: &SceneArguments,
+    friction: Option<f64>,
+    varied: &[&str],
+) -> Result<AnalysedScene, Error> {
     let (mut scene, _) = scene::find(&common.scene)?;
     check_once(&common.set)?;
     for (name, value) in &common.set {
@@ -123,7 +127,7 @@ fn configured(common: &Common, friction: Option<f64>, varied: &[&str]) -> Result
     let at = left_out.is_some().then_some(time);
     let scene = at_instant(&scene, time)?;
     scene.check()?;
-    Ok(Given { scene, at, left_out })
+    Ok(AnalysedScene { scene, at, left_out })
 }
 
 /// Friction coefficients for the heading of a table.

@@ -1,6 +1,6 @@
 //! `amontons-stability map`.
 
-use crate::arguments::{Map as Arguments, Values};
+use crate::arguments::{Map as StabilityArguments, Values};
 use crate::{Failure, check_effect, configured};
 use amontons::model::Contact;
 use amontons_analysis::assign::assign;
@@ -15,7 +15,7 @@ use std::io::Write;
 /// Indices in the palette of the colours for the verdicts, in their order.
 const COLOURS: [usize; 6] = [5, 4, 3, 1, 6, 7];
 
-pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+pub fn run(arguments: &StabilityArguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let given = configured(&arguments.common, None, &[&*arguments.x.0, &*arguments.y.0])?;
     let scene = &given.scene;

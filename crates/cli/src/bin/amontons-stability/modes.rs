@@ -1,9 +1,9 @@
 //! `amontons-stability modes`.
 
-use crate::arguments::Modes as Arguments;
+use crate::arguments::Modes as StabilityArguments;
 use crate::labels::significant;
 use crate::{Failure, configured, friction, state};
-use amontons::contact::Joined;
+use amontons::contact::JoinedStates;
 use amontons_analysis::stability::{Linearised, modes};
 use amontons_pictures::picture::{self, ModeShape, ModeShapes};
 use nalgebra::Complex;
@@ -12,7 +12,7 @@ use std::io::{self, Write};
 /// Names of the degrees of freedom, in their order in a module.
 const DOFS: [&str; 4] = ["x1", "x2", "x3", "x4"];
 
-pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+pub fn run(arguments: &StabilityArguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let given = configured(&arguments.common, arguments.point.friction, &[])?;
     let scene = &given.scene;
@@ -22,7 +22,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let here = Linearised::of(scene);
     let states = state(arguments.point.state.as_deref(), scene, &here)?;
     let found = modes(here.linear()?, &states)?;
-    let state = Joined(&states);
+    let state = JoinedStates(&states);
     let title = format!("{}: state {state}, {}", scene.name, friction(scene));
     writeln!(out, "{title}")?;
     write!(out, "{}", given.head())?;

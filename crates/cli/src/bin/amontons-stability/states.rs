@@ -1,14 +1,14 @@
 //! `amontons-stability states`.
 
 use crate::arguments::{Format, States};
-use crate::{Failure, Given, configured, friction, state};
+use crate::{AnalysedScene, Failure, configured, friction, state};
 use amontons::Error;
-use amontons::contact::{ContactState, Joined};
+use amontons::contact::{ContactState, JoinedStates};
 use amontons::model::Equilibrium;
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
 use amontons_analysis::stability::{
-    Departure, Linearised, MAX_CONTACTS, StateClasses, departure, modes,
+    Linearised, LinearityLimit, MAX_CONTACTS, StateClasses, linearity_limit, modes,
 };
 use amontons_cli::progress::Progress;
 use serde_json::{Map, Value, json};
@@ -28,18 +28,18 @@ struct Row {
 }
 
 /// The results to be printed.
-struct Report {
-    given: Given,
+struct StatesReport {
+    given: AnalysedScene,
     rows: Vec<Row>,
     /// The state of all contacts at rest.
     resting: Vec<ContactState>,
     equilibrium: Result<Equilibrium, Error>,
     /// Departures, or the reason why there are none.
-    departures: Result<Vec<(Leaving, Option<Departure>)>, String>,
+    departures: Result<Vec<(ModeLimit, Option<LinearityLimit>)>, String>,
 }
 
 /// A mode of uniform sliding whose departure is printed.
-struct Leaving {
+struct ModeLimit {
     frequency_hz: f64,
     growth_rate: f64,
     /// |λ|, 1/s.
@@ -61,7 +61,7 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
         spectrum,
         alike,
     });
-    let report = Report {
+    let report = StatesReport {
         rows: rows.collect(),
         departures: match scene.contact_count() {
             0..=MAX_LEAVING => departures(&here).map_err(|error| error.to_string()),
@@ -113,23 +113,23 @@ fn spectra(
 
 /// The departure of each mode of uniform sliding: where it makes a contact leave its state, so that the linear model no
 /// longer holds.
-fn departures(here: &Linearised) -> Result<Vec<(Leaving, Option<Departure>)>, Error> {
+fn departures(here: &Linearised) -> Result<Vec<(ModeLimit, Option<LinearityLimit>)>, Error> {
     let model = here.linear()?;
     let sliding = here.uniform_sliding()?;
     let equilibrium = here.equilibrium()?;
     let found = modes(model, &sliding)?;
     let leaving = found.all().map(|mode| {
-        let leaving = Leaving {
+        let leaving = ModeLimit {
             frequency_hz: mode.frequency_hz(),
             growth_rate: mode.growth_rate(),
             rate: mode.eigenvalue.norm(),
         };
-        (leaving, departure(model, equilibrium, mode))
+        (leaving, linearity_limit(model, equilibrium, mode))
     });
     Ok(leaving.collect())
 }
 
-impl Report {
+impl StatesReport {
     fn as_json(&self) -> Value {
         let states: Map<String, Value> = self
             .rows
@@ -142,22 +142,23 @@ impl Report {
                     "unstable": spectrum.unstable(),
                     "has_equilibrium": has_equilibrium,
                 });
-                (Joined(states).to_string(), value)
+                (JoinedStates(states).to_string(), value)
             })
             .collect();
         let names = self.given.scene.dof_names();
-        let departures = self.departures.iter().flatten().filter_map(|(leaving, departure)| {
-            let departure = departure.as_ref()?;
-            Some(json!({
-                "frequency_hz": leaving.frequency_hz,
-                "growth_rate": leaving.growth_rate,
-                "amplitude": departure.amplitude,
-                "of": names[departure.dof],
-                "speed": departure.amplitude * leaving.rate,
-                "contact": self.given.scene.contact_name(departure.contact),
-                "into": departure.into.to_string(),
-            }))
-        });
+        let departures =
+            self.departures.iter().flatten().filter_map(|(leaving, linearity_limit)| {
+                let linearity_limit = linearity_limit.as_ref()?;
+                Some(json!({
+                    "frequency_hz": leaving.frequency_hz,
+                    "growth_rate": leaving.growth_rate,
+                    "amplitude": linearity_limit.amplitude,
+                    "of": names[linearity_limit.dof],
+                    "speed": linearity_limit.amplitude * leaving.rate,
+                    "contact": self.given.scene.contact_name(linearity_limit.contact),
+                    "into": linearity_limit.into.to_string(),
+                }))
+            });
         json!({
             "scene": self.given.scene.name,
             "friction": self.given.scene.has_common_friction().then_some(self.given.scene.friction_coefficient),
@@ -172,7 +173,7 @@ impl Report {
     fn print_csv(&self, out: &mut dyn Write) -> Result<(), Failure> {
         writeln!(out, "state,kind,real_hz,imaginary_hz,growth_rate,unstable")?;
         for row in &self.rows {
-            let name = Joined(&row.states);
+            let name = JoinedStates(&row.states);
             for v in &row.spectrum.oscillating {
                 let (re, im) = (v.re / TAU, v.im / TAU);
                 writeln!(out, "{name},oscillating,{re:?},{im:?},{:?},{}", v.re, v.re > 0.0)?;
@@ -196,7 +197,7 @@ impl Report {
         if self.equilibrium.is_ok() {
             let is_shown = self.rows.iter().any(|row| row.has_equilibrium);
             let note = if is_shown { "" } else { ", which is not among the states above" };
-            writeln!(out, "Equilibrium: {}{note}\n", Joined(&self.resting))?;
+            writeln!(out, "Equilibrium: {}{note}\n", JoinedStates(&self.resting))?;
         }
         self.print_departures(out)
     }
@@ -214,12 +215,12 @@ impl Report {
             "Departures from uniform sliding: largest amplitude of each mode before a contact stops sliding"
         )?;
         let names = self.given.scene.dof_names();
-        for (Leaving { frequency_hz, rate, .. }, departure) in departures {
+        for (ModeLimit { frequency_hz, rate, .. }, linearity_limit) in departures {
             let frequency = match frequency_hz {
                 0.0 => "real".to_owned(),
                 frequency_hz => format!("{frequency_hz:.2} Hz"),
             };
-            let Some(Departure { contact, into, amplitude, dof }) = departure else {
+            let Some(LinearityLimit { contact, into, amplitude, dof }) = linearity_limit else {
                 writeln!(out, "  {frequency:>11}  stops no contact from sliding")?;
                 continue;
             };
@@ -283,7 +284,7 @@ fn print_paper_table(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
 fn print_list(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
     for row in rows.iter().filter(|row| row.alike > 0) {
         let note = if row.alike > 1 { format!(" ({} alike)", row.alike) } else { String::new() };
-        writeln!(out, "{}{note}", Joined(&row.states))?;
+        writeln!(out, "{}{note}", JoinedStates(&row.states))?;
         for cell in cells(&row.spectrum) {
             writeln!(out, "  {cell}")?;
         }

@@ -36,21 +36,22 @@ fn measure<'a>(
     scene: &'a Scene,
     others: impl Iterator<Item = &'a Scene>,
 ) -> Result<Times, Box<dyn Error>> {
-    let mut own = Course::of(scene)?;
-    let mut others: Vec<Option<Course>> = others.map(|scene| Course::of(scene).ok()).collect();
+    let mut own = EndlessRun::of(scene)?;
+    let mut others: Vec<Option<EndlessRun>> =
+        others.map(|scene| EndlessRun::of(scene).ok()).collect();
     own.choose_steps();
-    others.iter_mut().flatten().for_each(Course::choose_steps);
+    others.iter_mut().flatten().for_each(EndlessRun::choose_steps);
     for _ in 0..SLICES {
         own.take_slice();
-        others.iter_mut().flatten().for_each(Course::take_slice);
+        others.iter_mut().flatten().for_each(EndlessRun::take_slice);
     }
-    let time = |course: Option<Course>| course.map(|course| course.shortest);
+    let time = |course: Option<EndlessRun>| course.map(|course| course.shortest);
     let others = others.into_iter().map(|course| time(course).filter(|time| time.is_finite()));
     Ok(Times { own: own.shortest, others: others.collect() })
 }
 
 /// A run of a scene without an end.
-struct Course {
+struct EndlessRun {
     simulation: Simulation,
     /// Number of steps in a slice.
     steps: u32,
@@ -58,7 +59,7 @@ struct Course {
     shortest: f64,
 }
 
-impl Course {
+impl EndlessRun {
     fn of(scene: &Scene) -> Result<Self, amontons::Error> {
         let simulation = Simulation::new(scene.clone(), 0.0)?;
         Ok(Self { simulation, steps: 1, shortest: f64::INFINITY })

@@ -1,7 +1,7 @@
 //! Progress of a command that begins with a reference run.
 
 use amontons::scene::Scene;
-use amontons_analysis::accuracy::Study;
+use amontons_analysis::accuracy::ConvergenceStudy;
 use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::{Interrupted, stopped};
 use amontons_cli::progress::Progress;
@@ -20,7 +20,11 @@ pub fn bar() -> Progress {
 ///
 /// # Errors
 /// Returns an error if the scene is invalid, or [`Interrupted`] if the user has ended the command.
-pub fn study(scene: &Scene, dof: Option<usize>, bar: &Progress) -> Result<Study, Box<dyn Error>> {
+pub fn study(
+    scene: &Scene,
+    dof: Option<usize>,
+    bar: &Progress,
+) -> Result<ConvergenceStudy, Box<dyn Error>> {
     let before = Mutex::new((0.0, 0.0));
     let progress = |passed: f64| {
         let mut before = before.lock().unwrap_or_else(PoisonError::into_inner);
@@ -30,5 +34,5 @@ pub fn study(scene: &Scene, dof: Option<usize>, bar: &Progress) -> Result<Study,
         bar.set_part(REFERENCE_SHARE * (1.0 - 0.5_f64.powf(runs + passed)));
     };
     let watch = Watch { go_on: &stopped, progress: &progress };
-    Study::new(scene, dof, watch)?.ok_or_else(|| Interrupted.into())
+    ConvergenceStudy::new(scene, dof, watch)?.ok_or_else(|| Interrupted.into())
 }

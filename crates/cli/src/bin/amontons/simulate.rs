@@ -8,7 +8,7 @@ use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Simulation, Variable, broken_assumptions, variables};
 use amontons_analysis::assign::assign;
 use amontons_analysis::inputs::{Inputs, is_close};
-use amontons_analysis::output::{Pending, check_inputs_stay};
+use amontons_analysis::output::{AtomicFile, check_inputs_stay};
 use amontons_analysis::sweep::range::check_once;
 use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
@@ -65,7 +65,7 @@ fn write_output(
     match &arguments.output {
         None => write_run(run, scene, experiment, &mut BufWriter::new(stdout().lock())),
         Some(path) => {
-            let mut file = Pending::create(path)?;
+            let mut file = AtomicFile::create(path)?;
             interrupt::listen();
             if let Err(error) = write_run(run, scene, experiment, &mut file) {
                 let mut rows = "the rows up to the failure";

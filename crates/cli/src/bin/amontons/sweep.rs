@@ -4,9 +4,9 @@ use crate::arguments::Simulate;
 use crate::simulate::is_broken_pipe;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::selection::select;
-use amontons_analysis::output::Pending;
+use amontons_analysis::output::AtomicFile;
 use amontons_analysis::sweep::observed::output;
-use amontons_analysis::sweep::{Doubt, ENERGIES, Possible, Summary, View, sweep};
+use amontons_analysis::sweep::{ENERGIES, Possible, Summary, UnsettledReason, View, sweep};
 use amontons_cli::interrupt::{Interrupted, watched};
 use amontons_cli::progress::Progress;
 use amontons_export::documentation::counted;
@@ -44,7 +44,7 @@ pub fn run(
     let outputs = names.iter().map(|name| output(scene, name)).collect::<Result<_, _>>()?;
     let window = arguments.window.unwrap_or(scene.experiment.stop_time / 4.0);
     let view = View { outputs, window };
-    let mut file = arguments.output.as_deref().map(Pending::create).transpose()?;
+    let mut file = arguments.output.as_deref().map(AtomicFile::create).transpose()?;
     let bar = Progress::in_parts("the runs");
     let outcomes = watched(&bar, |watch| sweep(scene, name, values, &view, watch))?;
     let is_complete = outcomes.iter().all(Option::is_some);
@@ -71,7 +71,7 @@ pub fn run(
     tell_doubts(name, &rows);
     if !is_complete {
         eprintln!("note: interrupted after {} of {} values", rows.len(), values.len());
-        if let Some(partial) = file.as_ref().and_then(Pending::partial) {
+        if let Some(partial) = file.as_ref().and_then(AtomicFile::partial) {
             eprintln!("the finished rows are in {}", partial.display());
         }
         return Err(Box::new(Interrupted));
@@ -83,9 +83,11 @@ pub fn run(
 /// needed.
 fn tell_doubts(name: &str, rows: &[(f64, Summary)]) {
     let doubts = rows.iter().filter_map(|(value, summary)| Some((*value, summary.settled.err()?)));
-    let kind = |doubt: &Doubt| std::mem::discriminant(doubt);
-    let needed = |doubt: &Doubt| if let Doubt::Short(window) = doubt { *window } else { 0.0 };
-    let mut told: Vec<(f64, usize, Doubt)> = Vec::new();
+    let kind = |doubt: &UnsettledReason| std::mem::discriminant(doubt);
+    let needed = |doubt: &UnsettledReason| {
+        if let UnsettledReason::Short(window) = doubt { *window } else { 0.0 }
+    };
+    let mut told: Vec<(f64, usize, UnsettledReason)> = Vec::new();
     for (value, doubt) in doubts {
         match told.iter_mut().find(|(_, _, known)| kind(known) == kind(&doubt)) {
             Some((_, count, known)) => {

@@ -4,10 +4,10 @@ use super::Subject;
 use crate::rules::Rule;
 
 /// Values of all outputs after each step, as bits.
-pub(super) type Course = Vec<Vec<u64>>;
+pub(super) type OutputHistory = Vec<Vec<u64>>;
 
 impl Subject<'_> {
-    pub(super) fn finite(&self, course: &Course) {
+    pub(super) fn finite(&self, course: &OutputHistory) {
         for (step, values) in (1..).zip(course) {
             for ((name, _), bits) in self.plan.reals.iter().zip(values) {
                 let value = f64::from_bits(*bits);

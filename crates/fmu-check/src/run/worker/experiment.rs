@@ -1,24 +1,27 @@
 //! The run of an instance from its creation to its last step, as every importer does it.
 
-use super::course::Course;
+use super::course::OutputHistory;
 use super::library::{Instance, Library, heard};
 use super::plan::Plan;
-use super::{Subject, Told, said};
+use super::{ReportedFailure, Subject, said};
 use crate::rules::Rule;
 
 impl Subject<'_> {
-    pub(super) fn instance<'a>(&self, library: &'a Library) -> Result<Instance<'a>, Told> {
+    pub(super) fn instance<'a>(
+        &self,
+        library: &'a Library,
+    ) -> Result<Instance<'a>, ReportedFailure> {
         heard();
         self.journal.at("fmi2Instantiate");
         let guid = &self.plan.guid;
         library.instantiate(guid, &self.location(), true).ok_or_else(|| {
             let message = format!("fmi2Instantiate returns NULL for the guid {guid}{}", said());
             self.journal.finding(Rule::Instantiate, &message);
-            Told
+            ReportedFailure
         })
     }
 
-    pub(super) fn initialize(&self, instance: &Instance<'_>) -> Result<(), Told> {
+    pub(super) fn initialize(&self, instance: &Instance<'_>) -> Result<(), ReportedFailure> {
         let Plan { tolerance, start, stop, .. } = self.plan;
         self.journal.at("fmi2SetupExperiment");
         self.called("fmi2SetupExperiment", instance.setup(tolerance, start, stop))?;
@@ -34,8 +37,8 @@ impl Subject<'_> {
         instance: &Instance<'_>,
         from: u32,
         to: u32,
-    ) -> Result<Course, Told> {
-        let mut course = Course::new();
+    ) -> Result<OutputHistory, ReportedFailure> {
+        let mut course = OutputHistory::new();
         for number in from..to {
             let time = self.plan.start + f64::from(number) * self.plan.step;
             let name = format!("fmi2DoStep at {time} s");
@@ -52,7 +55,7 @@ impl Subject<'_> {
         Ok(course)
     }
 
-    fn outputs(&self, instance: &Instance<'_>) -> Result<Vec<u64>, Told> {
+    fn outputs(&self, instance: &Instance<'_>) -> Result<Vec<u64>, ReportedFailure> {
         self.journal.at("reading of the outputs");
         let Plan { reals, integers, booleans, .. } = &self.plan;
         let mut values = Vec::new();

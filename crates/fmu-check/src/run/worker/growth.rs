@@ -9,14 +9,16 @@ use std::time::{Duration, Instant};
 
 /// Size of a measurement: rounds before the first count, in which caches fill, then number of counts and rounds per
 /// count.
-struct Size {
+struct MeasurementSize {
     before: u32,
     counts: u32,
     rounds: u32,
 }
 
-const SIZES: [Size; 2] =
-    [Size { before: 16, counts: 5, rounds: 8 }, Size { before: 8, counts: 4, rounds: 2 }];
+const SIZES: [MeasurementSize; 2] = [
+    MeasurementSize { before: 16, counts: 5, rounds: 8 },
+    MeasurementSize { before: 8, counts: 4, rounds: 2 },
+];
 
 /// Growth of the heap per round that is reported, bytes.
 const LEAST: i64 = 100;

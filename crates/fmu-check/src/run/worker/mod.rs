@@ -67,7 +67,7 @@ struct Subject<'a> {
 }
 
 /// A call failed and has been reported; the run cannot continue.
-struct Told;
+struct ReportedFailure;
 
 impl Subject<'_> {
     fn load(&self) -> Option<Library> {
@@ -97,11 +97,11 @@ impl Subject<'_> {
     }
 
     /// Reports a call that failed.
-    fn called<T>(&self, name: &str, result: Result<T, Refused>) -> Result<T, Told> {
+    fn called<T>(&self, name: &str, result: Result<T, Refused>) -> Result<T, ReportedFailure> {
         result.map_err(|refused| {
             let message = format!("{name} returns {refused}{}", said());
             self.journal.finding(Rule::CallFailed, &message);
-            Told
+            ReportedFailure
         })
     }
 

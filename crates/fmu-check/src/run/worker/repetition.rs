@@ -1,13 +1,13 @@
 //! Repetitions that must give the outputs of the first run: after a reset, with another instance, from saved states.
 
-use super::course::Course;
+use super::course::OutputHistory;
 use super::library::{Instance, Library, SavedState};
-use super::{Subject, Told};
+use super::{ReportedFailure, Subject};
 use crate::rules::Rule;
 
 impl Subject<'_> {
     /// Makes the run that every importer makes, and repeats it after a reset.
-    pub(super) fn plain(&self, library: &Library) -> Result<Course, Told> {
+    pub(super) fn plain(&self, library: &Library) -> Result<OutputHistory, ReportedFailure> {
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
         self.starts(&instance)?;
@@ -34,14 +34,14 @@ impl Subject<'_> {
         Ok(first)
     }
 
-    fn fresh(&self, library: &Library) -> Result<Course, Told> {
+    fn fresh(&self, library: &Library) -> Result<OutputHistory, ReportedFailure> {
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
         self.steps(&instance, 0, self.plan.steps)
     }
 
     /// Repeats the run with another instance, and from saved states.
-    pub(super) fn repeated(&self, library: &Library, first: &Course) {
+    pub(super) fn repeated(&self, library: &Library, first: &OutputHistory) {
         let Ok(again) = self.fresh(library) else { return };
         if again != *first {
             self.journal
@@ -52,7 +52,7 @@ impl Subject<'_> {
         }
     }
 
-    fn states(&self, library: &Library, first: &Course) -> Result<(), Told> {
+    fn states(&self, library: &Library, first: &OutputHistory) -> Result<(), ReportedFailure> {
         let middle = self.plan.steps / 2;
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
@@ -78,9 +78,9 @@ impl Subject<'_> {
         &self,
         instance: &Instance<'_>,
         state: &SavedState,
-        first: &Course,
+        first: &OutputHistory,
         rule: Rule,
-    ) -> Result<(), Told> {
+    ) -> Result<(), ReportedFailure> {
         let middle = self.plan.steps / 2;
         self.journal.at("fmi2SetFMUstate");
         self.called("fmi2SetFMUstate", instance.restore(state))?;

@@ -2,13 +2,13 @@
 
 use super::library::Instance;
 use super::plan::Start;
-use super::{Subject, Told};
+use super::{ReportedFailure, Subject};
 use crate::rules::Rule;
 
 impl Subject<'_> {
     /// Reads variables with exact start values after the initialization: before its end the standard allows importers
     /// to read outputs and states only, and nothing but an importer changes these variables.
-    pub(super) fn starts(&self, instance: &Instance<'_>) -> Result<(), Told> {
+    pub(super) fn starts(&self, instance: &Instance<'_>) -> Result<(), ReportedFailure> {
         self.journal.at("reading of the start values");
         for (name, reference, start) in &self.plan.exact {
             let reference = [*reference];

@@ -2,7 +2,7 @@
 
 use super::{Chart, Panel, Series, Style};
 use crate::picture::axes::Frame;
-use crate::picture::beside::{self, Beside};
+use crate::picture::beside::{self, SideText};
 use crate::picture::canvas::{Canvas, Failure, Point};
 use crate::picture::legend::{DOT, Entry, Sample};
 use crate::picture::palette::{colour, dashes};
@@ -36,7 +36,7 @@ impl Series {
 }
 
 /// The points' own labels, where there is room.
-pub(super) fn beside_points(chart: &Chart, frame: &Frame<'_>, panel: &Panel) -> Vec<Beside> {
+pub(super) fn beside_points(chart: &Chart, frame: &Frame<'_>, panel: &Panel) -> Vec<SideText> {
     let place = |series| chart.shown(series).map(|point| frame.at(point));
     let lines = panel.series.iter().flat_map(|series| -> Vec<Vec<Point>> {
         match series.style {

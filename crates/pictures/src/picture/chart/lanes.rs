@@ -29,12 +29,12 @@ pub struct Lane {
     /// Name of the lane, written at its left.
     pub name: String,
     /// The stretches of the lane; the space between them, or where they are not finite, stays empty.
-    pub stretches: Vec<Stretch>,
+    pub stretches: Vec<LaneInterval>,
 }
 
 /// A range of x in which a lane is of one class.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Stretch {
+pub struct LaneInterval {
     /// Beginning of the stretch, in the unit of the x axis.
     pub from: f64,
     /// End of the stretch, in the unit of the x axis.
@@ -66,7 +66,7 @@ pub(super) fn check(panel: &Panel) -> Result<(), Failure> {
         return wrong("has lanes, so it can have neither series nor a raster".into());
     }
     for lane in &panel.lanes {
-        for (place, Stretch { from, to, class }) in lane.stretches.iter().enumerate() {
+        for (place, LaneInterval { from, to, class }) in lane.stretches.iter().enumerate() {
             let what = format!("has a stretch {place} in the lane {:?}", lane.name);
             if *class >= panel.classes.len() {
                 let count = panel.classes.len();

@@ -5,7 +5,7 @@ use super::lanes;
 use super::marks::{MARK_ROW, MarkLabel, mark_labels, paint_label, paint_marks};
 use super::{Band, Chart, Panel, Series, raster};
 use crate::picture::axes::{Frame, LARGE, LEFT, RIGHT, SMALL, X_AXIS, range, roomy};
-use crate::picture::beside::Beside;
+use crate::picture::beside::SideText;
 use crate::picture::canvas::{Align, Canvas, Drawing, Failure, Point};
 use crate::picture::legend::Legend;
 use crate::picture::palette::INK;
@@ -30,7 +30,7 @@ struct Placed<'a> {
     head: f64,
     frame: Frame<'a>,
     labels: Vec<MarkLabel<'a>>,
-    beside: Vec<Beside>,
+    beside: Vec<SideText>,
 }
 
 impl<'a> Layout<'a> {
@@ -223,7 +223,7 @@ impl Placed<'_> {
         for series in &panel.series {
             paint_series(canvas, chart, frame, series, covered)?;
         }
-        for Beside { text, at, align } in beside {
+        for SideText { text, at, align } in beside {
             canvas.text(text, *at, SMALL, *align)?;
         }
         Ok(())

@@ -9,7 +9,7 @@ mod marks;
 mod raster;
 
 pub use band::Band;
-pub use lanes::{Lane, Stretch};
+pub use lanes::{Lane, LaneInterval};
 pub use marker::Marker;
 pub use raster::Raster;
 

@@ -1,6 +1,6 @@
 //! Places for names and values: at what they speak of, over nothing else.
 
-use super::plane::{Room, add, along, centred, sub};
+use super::plane::{OccupiedLines, add, along, centred, sub};
 use super::symbols::{self, Shape};
 use crate::picture::canvas::{Point, WIDTH, text_width};
 use crate::picture::palette::GREY;
@@ -93,12 +93,12 @@ fn row_lines(label: &Label, size: f64) -> impl Iterator<Item = [Point; 2]> {
 /// Labels that have found their places, and what they must keep off.
 pub(super) struct Labels {
     size: f64,
-    room: Room,
+    room: OccupiedLines,
     pub(super) placed: Vec<Label>,
 }
 
 impl Labels {
-    pub(super) fn new(size: f64, room: Room) -> Self {
+    pub(super) fn new(size: f64, room: OccupiedLines) -> Self {
         Self { size, room, placed: Vec::new() }
     }
 

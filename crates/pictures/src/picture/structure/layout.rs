@@ -6,7 +6,7 @@
 //! other's name. Lengths are in steps of the grid, and y is upwards.
 
 use super::plane::{
-    Room, across, add, along, centred, dot, length, scaled, sub, turned, unit, way,
+    OccupiedLines, across, add, along, centred, dot, length, scaled, sub, turned, unit, way,
 };
 use super::{Link, SliderMark, Structure};
 use crate::picture::canvas::Point;
@@ -58,7 +58,7 @@ pub(super) fn directions(slider: &SliderMark) -> [Point; 2] {
 }
 
 /// A mass and the surfaces at its foot take their room.
-fn stand(structure: &Structure, mass: usize, place: Point, room: &mut Room) {
+fn stand(structure: &Structure, mass: usize, place: Point, room: &mut OccupiedLines) {
     room.take([place; 2], MASS);
     surfaces(structure, mass, place).for_each(|line| room.take(line, 0.0));
 }
@@ -83,7 +83,7 @@ pub(super) fn places(structure: &Structure) -> Vec<Point> {
     let (mut corner, mut low) = ([0.0, 0.0], 0.0_f64);
     while let Some(first) = places.iter().position(Option::is_none) {
         let mut part = vec![(first, [0.0; 2])];
-        let mut room = Room::default();
+        let mut room = OccupiedLines::default();
         stand(structure, first, [0.0; 2], &mut room);
         while let Some((from, to, way)) = next(&wishes, &part) {
             let place = free_place(structure, &room, from, to, way);
@@ -149,7 +149,13 @@ fn next(wishes: &[([usize; 2], Point)], part: &[(usize, Point)]) -> Option<(Poin
 }
 
 /// The nearest point of the grid that is free, first along the way, then against it, then to its sides.
-fn free_place(structure: &Structure, room: &Room, from: Point, mass: usize, way: Point) -> Point {
+fn free_place(
+    structure: &Structure,
+    room: &OccupiedLines,
+    from: Point,
+    mass: usize,
+    way: Point,
+) -> Point {
     for far in [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0] {
         for turn in [0.0, 4.0, 1.0, -1.0, 3.0, -3.0, 2.0, -2.0] {
             let step = turned(way, turn * FRAC_PI_4).map(|part| {
@@ -170,7 +176,7 @@ fn free_place(structure: &Structure, room: &Room, from: Point, mass: usize, way:
 
 /// Puts each link into a run, or into two that end at names.
 pub(super) fn runs(structure: &Structure, places: &[Point]) -> Vec<Run> {
-    let mut room = Room::default();
+    let mut room = OccupiedLines::default();
     for (mass, place) in places.iter().enumerate() {
         stand(structure, mass, *place, &mut room);
     }
@@ -249,7 +255,7 @@ const AROUND: [f64; 16] =
 /// The placed parts while links find their ways.
 struct Plan<'a> {
     places: &'a [Point],
-    room: Room,
+    room: OccupiedLines,
     runs: Vec<Run>,
 }
 

@@ -33,13 +33,13 @@ pub(super) struct StructureLegend {
 
 /// Symbols that occur and that the structure itself does not show.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Used {
+pub(super) struct UsedSymbols {
     pub(super) acts: bool,
     pub(super) named: bool,
 }
 
 impl StructureLegend {
-    pub(super) fn of(structure: &Structure, used: Used) -> Self {
+    pub(super) fn of(structure: &Structure, used: UsedSymbols) -> Self {
         let Structure { masses, links, sliders, forces, signals, .. } = structure;
         let is_there = |kind| links.iter().any(|link| link.kind == kind);
         let moves = sliders.iter().any(|slider| slider.velocity != 0.0);

@@ -84,9 +84,9 @@ pub(super) fn reach(points: impl Iterator<Item = (Point, Point)>) -> [[f64; 2]; 
 
 /// Lines that stand already, each with how far it reaches to its sides.
 #[derive(Clone, Default)]
-pub(super) struct Room(Vec<([Point; 2], f64)>);
+pub(super) struct OccupiedLines(Vec<([Point; 2], f64)>);
 
-impl Room {
+impl OccupiedLines {
     pub(super) fn take(&mut self, line: [Point; 2], reach: f64) {
         self.0.push((line, reach));
     }

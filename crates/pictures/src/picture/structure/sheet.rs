@@ -3,7 +3,7 @@
 use super::Structure;
 use super::labels::{EDGE, Label};
 use super::layout::{End, places, runs};
-use super::legend::{StructureLegend, Used};
+use super::legend::{StructureLegend, UsedSymbols};
 use super::plane::{add, reach, scaled};
 use super::plot::{Plot, SheetStyle};
 use super::symbols::Shape;
@@ -56,7 +56,7 @@ impl<'a> Sheet<'a> {
         let found = [first, other].into_iter().map(drawn).find(|(_, labels)| labels.all_near());
         let (plot, labels) = found.unwrap_or_else(|| drawn(last));
         let (shapes, labels, size) = (plot.shapes, labels.placed, plot.style.size);
-        let used = Used {
+        let used = UsedSymbols {
             acts: labels.iter().any(|label| label.acts.is_some()),
             named: runs.iter().any(|run| matches!(run.end, End::Name(_))),
         };

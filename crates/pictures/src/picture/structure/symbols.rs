@@ -1,7 +1,7 @@
 //! Symbols of springs, dashpots, ground, sliders and guides, as strokes and areas. Lengths are in px, and y is
 //! downwards.
 
-use super::plane::{Room, across, add, along, centred, length, scaled, sub, unit, way};
+use super::plane::{OccupiedLines, across, add, along, centred, length, scaled, sub, unit, way};
 use crate::picture::canvas::{Canvas, Failure, Point};
 use crate::picture::palette::{GREY, INK, colour};
 use plotters::backend::DrawingBackend;
@@ -62,8 +62,8 @@ impl Shape {
 }
 
 /// The room that shapes take.
-pub(super) fn room(shapes: &[Shape]) -> Room {
-    let mut room = Room::default();
+pub(super) fn room(shapes: &[Shape]) -> OccupiedLines {
+    let mut room = OccupiedLines::default();
     for shape in shapes {
         let points = &shape.points;
         points.windows(2).for_each(|pair| room.take([pair[0], pair[1]], shape.ink()));

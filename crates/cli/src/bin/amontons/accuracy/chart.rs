@@ -1,26 +1,28 @@
 //! The picture of `amontons accuracy`.
 
-use super::Report;
+use super::AccuracyReport;
 use amontons::decimal::to_significant;
 use amontons::scene::Method;
-use amontons_analysis::accuracy::{Errors, Rung};
+use amontons_analysis::accuracy::{Errors, StepCandidate};
 use amontons_pictures::picture::{Chart, Panel, Series, Style, prefixed};
 
-impl Report<'_> {
+impl AccuracyReport<'_> {
     /// Error against time, both logarithmic, with the reference's own error as a dashed line.
     pub(super) fn chart(&self) -> Chart {
         let chaotic = self.study.is_chaotic();
         let pick = |errors: &Errors| if chaotic { errors.amplitude } else { errors.rms };
         let shown = self.rows.iter().filter_map(|timed| {
-            Some((timed.row.rung, [1e3 * timed.seconds?, pick(&timed.row.errors)?]))
+            Some((timed.row.candidate, [1e3 * timed.seconds?, pick(&timed.row.errors)?]))
         });
-        let shown: Vec<(Rung, [f64; 2])> = shown.collect();
+        let shown: Vec<(StepCandidate, [f64; 2])> = shown.collect();
         let curve = |method, label: &str, colour| {
-            let rows = shown.iter().filter(|(rung, _)| rung.method == method);
+            let rows = shown.iter().filter(|(candidate, _)| candidate.method == method);
             Series {
                 label: Some(label.to_owned()),
                 points: rows.clone().map(|(_, point)| *point).collect(),
-                labels: rows.map(|(rung, _)| prefixed(to_significant(rung.step, 4), "s")).collect(),
+                labels: rows
+                    .map(|(candidate, _)| prefixed(to_significant(candidate.step, 4), "s"))
+                    .collect(),
                 colour,
                 ..Series::default()
             }

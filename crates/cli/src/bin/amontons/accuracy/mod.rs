@@ -7,7 +7,7 @@ use crate::arguments::{Accuracy, Format};
 use crate::reference::{self, REFERENCE_SHARE};
 use amontons::scene::Method;
 use amontons::simulation::Simulation;
-use amontons_analysis::accuracy::{Row, Rung, Study, assign, dof_named, short};
+use amontons_analysis::accuracy::{ConvergenceStudy, Row, StepCandidate, assign, dof_named, short};
 use amontons_analysis::sweep::range::check_once;
 use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::{self, Interrupted, stopped};
@@ -38,9 +38,9 @@ struct Timed {
 }
 
 /// The results to be printed.
-struct Report<'a> {
+struct AccuracyReport<'a> {
     arguments: &'a Accuracy,
-    study: Study,
+    study: ConvergenceStudy,
     rows: Vec<Timed>,
     notes: Vec<String>,
     complete: bool,
@@ -59,7 +59,7 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
     let bar = reference::bar();
     let study = reference::study(&scene, dof, &bar)?;
     let mut report =
-        Report { arguments, study, rows: Vec::new(), notes: Vec::new(), complete: false };
+        AccuracyReport { arguments, study, rows: Vec::new(), notes: Vec::new(), complete: false };
     report.complete = report.climb(&bar).is_continue();
     bar.finish();
     report.explain();
@@ -79,39 +79,39 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
     if report.complete { Ok(()) } else { Err(Box::new(Interrupted)) }
 }
 
-impl Report<'_> {
+impl AccuracyReport<'_> {
     /// Computes all rows of the ladder, or those up to an interruption.
     fn climb(&mut self, bar: &Progress) -> ControlFlow<()> {
-        let ladder = self.study.ladder();
-        let cost = |rung: &Rung| match rung.method {
-            Method::ForwardIncrement => rung.steps as f64,
-            Method::EventDriven => STEPS_A_STEP * rung.steps as f64,
+        let ladder = self.study.step_sizes();
+        let cost = |candidate: &StepCandidate| match candidate.method {
+            Method::ForwardIncrement => candidate.steps as f64,
+            Method::EventDriven => STEPS_A_STEP * candidate.steps as f64,
         };
         let whole: f64 = ladder.iter().map(cost).sum();
         let mut done = 0.0;
-        for rung in &ladder {
-            let part = (1.0 - REFERENCE_SHARE) * cost(rung) / whole;
+        for candidate in &ladder {
+            let part = (1.0 - REFERENCE_SHARE) * cost(candidate) / whole;
             let start = REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done / whole;
-            bar.say(&format!("{}, step {} s", rung.method, short(rung.step)));
+            bar.say(&format!("{}, step {} s", candidate.method, short(candidate.step)));
             // One run gives the errors, three give the time.
             let progress = |passed: f64| bar.set_part(start + 0.25 * part * passed);
-            match self.study.row(*rung, Watch { go_on: &stopped, progress: &progress }) {
+            match self.study.row(*candidate, Watch { go_on: &stopped, progress: &progress }) {
                 Ok(None) => return Break(()),
                 Ok(Some(row)) => {
                     let before = self.rows.last().map(|timed: &Timed| timed.row);
                     let order = before.and_then(|before| self.study.order(&before, &row));
-                    let seconds = seconds(&self.study, rung, |passed| {
+                    let seconds = seconds(&self.study, candidate, |passed| {
                         bar.set_part(start + part * (0.25 + 0.75 * passed));
                     });
                     self.rows.push(Timed { row, order, seconds });
                 }
                 Err(error) => {
-                    let (method, step) = (rung.method, short(rung.step));
+                    let (method, step) = (candidate.method, short(candidate.step));
                     self.notes
                         .push(format!("{method} with a step of {step} s is left out: {error}"));
                 }
             }
-            done += cost(rung);
+            done += cost(candidate);
             stopped()?;
         }
         Continue(())
@@ -122,7 +122,7 @@ impl Report<'_> {
         let rows: Vec<Row> = self.rows.iter().map(|timed| timed.row).collect();
         self.notes.extend(self.study.notes(&rows));
         if !self.complete {
-            let all = self.study.ladder().len();
+            let all = self.study.step_sizes().len();
             self.notes.push(format!("interrupted after {} of {all} rows", rows.len()));
         }
     }
@@ -130,8 +130,12 @@ impl Report<'_> {
 
 /// Seconds of computing for a simulated one, best of several runs; `None` if interrupted before the first
 /// was over.
-fn seconds(study: &Study, rung: &Rung, watch: impl Fn(f64)) -> Option<f64> {
-    let (scene, grid) = (rung.scene(study.scene()), study.grid());
+fn seconds(
+    study: &ConvergenceStudy,
+    candidate: &StepCandidate,
+    watch: impl Fn(f64),
+) -> Option<f64> {
+    let (scene, grid) = (candidate.scene(study.scene()), study.grid());
     let (mut best, mut taken) = (None, Duration::ZERO);
     for run in 0..MOST_RUNS {
         watch((f64::from(run) / f64::from(FEWEST_RUNS)).min(1.0));

@@ -1,6 +1,6 @@
 //! The table of `amontons accuracy`, as text, CSV and JSON.
 
-use super::{Report, Timed};
+use super::{AccuracyReport, Timed};
 use crate::arguments::Format;
 use amontons::scene::Method;
 use amontons_analysis::accuracy::{COLUMNS, Errors, LEGEND};
@@ -10,7 +10,7 @@ use std::io::{self, Write};
 /// Widths of the columns; the first column is flush left.
 const WIDTHS: [usize; COLUMNS.len()] = [17, 9, 10, 14, 11, 12, 9, 9, 11, 6];
 
-impl Report<'_> {
+impl AccuracyReport<'_> {
     pub(super) fn print(&self, out: &mut dyn Write) -> io::Result<()> {
         match self.arguments.format {
             Format::Table => self.print_table(out)?,
@@ -70,8 +70,8 @@ impl Report<'_> {
             writeln!(
                 out,
                 "{},{:?},{},{},{},{},{},{},{}",
-                row.rung.method,
-                row.rung.step,
+                row.candidate.method,
+                row.candidate.step,
                 row.statistics.steps,
                 row.statistics.state_changes(),
                 row.events_more,
@@ -97,8 +97,8 @@ impl Report<'_> {
         };
         let rows = self.rows.iter().map(|Timed { row, order, seconds }| {
             json!({
-                "method": row.rung.method.to_string(),
-                "step": row.rung.step,
+                "method": row.candidate.method.to_string(),
+                "step": row.candidate.step,
                 "steps": row.statistics.steps,
                 "events": row.statistics.state_changes(),
                 "events_more": row.events_more,

@@ -1,7 +1,7 @@
 //! The runs of a scene that an export writes beside the FMU or into its documentation.
 
 use amontons::scene::Scene;
-use amontons_analysis::output::Pending;
+use amontons_analysis::output::AtomicFile;
 use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
@@ -49,7 +49,7 @@ pub fn files(check: &CrossCheck, fmu: &Path) -> Vec<(PathBuf, String)> {
 /// # Errors
 /// Returns an error if the file cannot be written.
 pub fn write(path: &Path, content: &[u8]) -> Result<(), amontons::Error> {
-    let mut file = Pending::create(path)?;
+    let mut file = AtomicFile::create(path)?;
     file.write_all(content).map_err(|error| amontons::Error::file(path, &error))?;
     file.complete()
 }

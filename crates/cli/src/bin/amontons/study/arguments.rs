@@ -4,7 +4,7 @@ use super::basin::Basin;
 use super::limit_cycle::LimitCycle;
 use super::perturbation::Perturbation;
 use crate::arguments::{Integrator, positive};
-use amontons_analysis::study::Wish;
+use amontons_analysis::study::ObservationRequest;
 use amontons_analysis::sweep::range::assignment;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub enum Study {
     /// Follow the motions of a scene over the friction coefficient, upwards and downwards: branches, folds, ranges
     /// with two motions
-    Continuation(super::continuation::Arguments),
+    Continuation(super::continuation::ContinuationArguments),
     /// Amplitude, frequency and contact states of limit cycles over a parameter, and the values at which they change
     /// (Fig. 3)
     LimitCycle(LimitCycle),
@@ -23,7 +23,7 @@ pub enum Study {
     /// The study writes history.csv (the output and the contact states), results.csv (each growth and decay) and
     /// study.json. Ctrl-C ends the run; the part up to then is analysed and written (exit code 130). A run takes about
     /// a second, so the same command starts again from the beginning.
-    Transient(super::transient::Arguments),
+    Transient(super::transient::TransientArguments),
     /// Attractors reached from perturbations of one initial value, and the thresholds between them
     Perturbation(Perturbation),
     /// Basins of attraction in a plane of two initial values
@@ -32,7 +32,7 @@ pub enum Study {
 
 /// Arguments of all studies.
 #[derive(Args)]
-pub struct Common {
+pub struct StudyArguments {
     /// A scene file (TOML), or the name of a built-in scene
     pub scene: String,
     /// Give a parameter or input another value; the names are those of the FMU
@@ -71,7 +71,7 @@ impl Pictures {
 
 /// Settings with which a study observes motions, in place of those that it derives from the scene.
 #[derive(Args, Serialize)]
-pub struct Looking {
+pub struct ObservationOptions {
     /// Output whose amplitude and frequency are evaluated [default: the first displacement]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
@@ -86,9 +86,9 @@ pub struct Looking {
     pub longest: Option<f64>,
 }
 
-impl Looking {
-    pub fn wish(&self) -> Wish<'_> {
-        Wish {
+impl ObservationOptions {
+    pub fn request(&self) -> ObservationRequest<'_> {
+        ObservationRequest {
             of: self.of.as_deref(),
             interval: self.interval,
             window: self.window,

@@ -1,6 +1,6 @@
 //! Attractors formatted for tables.
 
-use amontons_analysis::study::{Ending, Kind};
+use amontons_analysis::study::{Kind, LongTermMotion};
 use amontons_cli::charts::attractor::words;
 use amontons_cli::say;
 
@@ -10,7 +10,7 @@ pub fn number(attractor: Option<usize>) -> String {
 }
 
 /// Prints the attractors, one per line.
-pub fn print(attractors: &[Ending], of: &str, unit: &str) {
+pub fn print(attractors: &[LongTermMotion], of: &str, unit: &str) {
     say!(
         "\nattractors (amplitude and strongest frequency of {of}; motions that differ only in position, or are mirror \
          images of each other, count as one)"

@@ -1,6 +1,6 @@
 //! `amontons study basin`.
 
-use super::arguments::{Common, Looking};
+use super::arguments::{ObservationOptions, StudyArguments};
 use super::attractor::{self, number};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared_with, watched};
@@ -9,7 +9,7 @@ use amontons::scene::Scene;
 use amontons_analysis::study::basin::{
     Axis, Basin as Found, Cell, Coverage, SHORT_WINDOWS, basin, check_points,
 };
-use amontons_analysis::study::{Look, initial_value};
+use amontons_analysis::study::{ObservationSettings, initial_value};
 use amontons_cli::charts::attractor::{unit_of, words};
 use amontons_cli::say;
 use amontons_pictures::picture::{Class, Map};
@@ -20,9 +20,9 @@ use std::error::Error;
 #[derive(Args)]
 pub struct Basin {
     #[command(flatten)]
-    common: Common,
+    common: StudyArguments,
     #[command(flatten)]
-    looking: Looking,
+    options: ObservationOptions,
     /// Initial value on the horizontal axis, such as module[1].v2, from A to B in steps of STEP or as N values;
     /// initial values on no axis are those of the scene or of --set
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
@@ -37,8 +37,8 @@ pub struct Basin {
 }
 
 pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
-    let Basin { common, looking, x, y, every_point } = arguments;
-    let (scene, source, look) = prepared_with(common, looking, |_, _| {})?;
+    let Basin { common, options, x, y, every_point } = arguments;
+    let (scene, source, observation) = prepared_with(common, options, |_, _| {})?;
     let axis = |(name, values): &(String, Values)| {
         Ok::<_, amontons::Error>(Axis {
             name: initial_value(&scene, name)?,
@@ -53,9 +53,10 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
         }
     }
     let coverage = if *every_point { Coverage::EveryPoint } else { Coverage::Traced };
-    let settings = json!({ "x": x, "y": y, "look": look, "every_point": every_point });
+    let settings = json!({ "x": x, "y": y, "look": observation, "every_point": every_point });
     let folder = Folder::open(common, "basin", (&scene, &source), settings)?;
-    let found = watched(|watch| basin(&scene, [&x, &y], &look, coverage, folder.journal(), watch))?;
+    let found =
+        watched(|watch| basin(&scene, [&x, &y], &observation, coverage, folder.journal(), watch))?;
     let Some(found) = found else { return Err(interrupted(&folder)) };
     let points = y.values.iter().zip(&found.rows);
     let points = points.flat_map(|(y, row)| x.values.iter().zip(row).map(move |(x, c)| (x, y, c)));
@@ -77,8 +78,8 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
     let [run, filled_in] = [true, false].map(|run| count(&found, |cell| cell.run == run));
     let points = json!({ "run": run, "filled_in": filled_in });
     folder.write_json(json!({ "attractors": found.attractors, "points": points }))?;
-    print(&scene, [&x, &y], &look, &found);
-    let map = map(&scene, [&x, &y], &look, &found);
+    print(&scene, [&x, &y], &observation, &found);
+    let map = map(&scene, [&x, &y], &observation, &found);
     map.write(&folder.picture("basin"))?;
     say!("\nresults and pictures are in {}", folder.path().display());
     Ok(())
@@ -98,11 +99,11 @@ fn class(found: &Found, cell: &Cell) -> &'static str {
     }
 }
 
-fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
+fn print(scene: &Scene, [x, y]: [&Axis; 2], observation: &ObservationSettings, found: &Found) {
     let units = [x, y].map(|axis| unit_of(scene, &axis.name));
     say!("{}: {}, {}, and {}, {}", scene.name, x.name, units[0], y.name, units[1]);
-    say!("{}", heading(&[(scene, look)]));
-    attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
+    say!("{}", heading(&[(scene, observation)]));
+    attractor::print(&found.attractors, &observation.of, unit_of(scene, &observation.of));
     say!("\npoints  end in");
     for place in 0..found.attractors.len() {
         say!("{:>6}  {}", count(found, |cell| cell.attractor == Some(place)), place + 1);
@@ -117,7 +118,7 @@ fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
         "{} of {} runs were decided early, with windows of {} s",
         count(found, |cell| cell.early),
         count(found, |cell| cell.run),
-        look.window / f64::from(SHORT_WINDOWS)
+        observation.window / f64::from(SHORT_WINDOWS)
     );
     let filled_in = count(found, |cell| !cell.run);
     if filled_in > 0 {
@@ -131,8 +132,8 @@ fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
     }
 }
 
-fn map(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) -> Map {
-    let unit = unit_of(scene, &look.of);
+fn map(scene: &Scene, [x, y]: [&Axis; 2], observation: &ObservationSettings, found: &Found) -> Map {
+    let unit = unit_of(scene, &observation.of);
     let mut names: Vec<String> =
         found.attractors.iter().map(|ending| words(ending, unit)).collect();
     let attractors = names.len();

@@ -1,16 +1,16 @@
 //! `amontons study continuation`: the motions in which a scene ends over µ, upwards and downwards.
 
-use super::arguments::{Common, Looking};
+use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, quoted};
 use super::{heading, interrupted, prepared, watched_unevenly};
-use amontons::contact::Joined;
+use amontons::contact::JoinedStates;
 use amontons::scene::Scene;
 use amontons::simulation::at_instant;
 use amontons_analysis::instant::{require_undriven, signals_left_out};
 use amontons_analysis::stability::candidates::{Bistability, bistability};
 use amontons_analysis::study::{
-    Bistable, Both, Continuation, Ending, Jump, Kind, Look, Plan, Point, Push, Third, Way,
-    continuation,
+    Bistable, Continuation, Jump, Kind, LongTermMotion, ObservationSettings, Plan, Point, Push,
+    RestAndMotion, SweepDirection, ThirdMotion, continuation,
 };
 use amontons_analysis::sweep::{FRICTION, Possible, range};
 use amontons_cli::charts::continuation::{chart, describe, turn};
@@ -21,11 +21,11 @@ use serde_json::json;
 use std::error::Error;
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct ContinuationArguments {
     #[command(flatten)]
-    pub common: Common,
+    pub common: StudyArguments,
     #[command(flatten)]
-    pub looking: Looking,
+    pub options: ObservationOptions,
     /// Values of the friction coefficient from A to B, in steps of STEP or as N values, followed upwards from A and
     /// downwards from B
     #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = values, allow_hyphen_values = true)]
@@ -50,9 +50,9 @@ fn resolution(text: &str) -> Result<f64, String> {
     }
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let Arguments { common, looking, friction: Values(values), resolution } = arguments;
-    let (scene, source, look) = prepared(common, looking)?;
+pub fn run(arguments: &ContinuationArguments) -> Result<(), Box<dyn Error>> {
+    let ContinuationArguments { common, options, friction: Values(values), resolution } = arguments;
+    let (scene, source, observation) = prepared(common, options)?;
     if common.set.iter().any(|(set, _)| set == FRICTION) {
         eprintln!("note: {FRICTION} takes the values of --friction, not that of --set");
     }
@@ -75,16 +75,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let candidates = known.as_ref().map_or(&[][..], |known| &known.candidates);
     // Each value starts from the state in which the one before has ended, so a piece depends on all values.
     let settings =
-        json!({ "look": look, "push": push, "values": values, "resolution": resolution });
+        json!({ "look": observation, "push": push, "values": values, "resolution": resolution });
     let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
-    let plan = Plan { scene: &scene, look: &look, values, resolution, push, candidates };
+    let plan =
+        Plan { scene: &scene, observation: &observation, values, resolution, push, candidates };
     let Some(found) = watched_unevenly(|watch| continuation(&plan, folder.journal(), watch))?
     else {
         return Err(interrupted(&folder));
     };
     let known = known.as_ref();
-    write(&folder, &scene, &look, &found, known.ok())?;
-    print(&scene, &look, resolution, &found);
+    write(&folder, &scene, &observation, &found, known.ok())?;
+    print(&scene, &observation, resolution, &found);
     print_eigenvalues(&scene, &found, known);
     if only_rests(&found) {
         eprintln!(
@@ -101,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 fn write(
     folder: &Folder,
     scene: &Scene,
-    look: &Look,
+    observation: &ObservationSettings,
     found: &Continuation,
     known: Option<&Bistability>,
 ) -> Result<(), Box<dyn Error>> {
@@ -118,7 +119,7 @@ fn write(
         "time",
         "failure",
     ];
-    let ways = Way::ALL.into_iter().zip([&found.rising, &found.falling]);
+    let ways = SweepDirection::ALL.into_iter().zip([&found.rising, &found.falling]);
     let rows = ways.flat_map(|(way, points)| points.iter().map(move |point| row(way, point)));
     folder.write_csv(&head, rows)?;
     let candidates: Vec<_> = known
@@ -127,7 +128,7 @@ fn write(
         .zip(&found.compared)
         .map(|(candidate, compared)| {
             json!({
-                "state": Joined(&candidate.states).to_string(),
+                "state": JoinedStates(&candidate.states).to_string(),
                 "range": candidate.range,
                 "frequency": candidate.frequency_hz,
                 "confirmed": met(compared),
@@ -135,10 +136,10 @@ fn write(
         })
         .collect();
     folder.write_json(json!({ "branches": found, "candidates": candidates }))?;
-    Ok(folder.draw("continuation", &chart(scene, look, found, known))?)
+    Ok(folder.draw("continuation", &chart(scene, observation, found, known))?)
 }
 
-fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
+fn row(way: SweepDirection, Point { friction, ending }: &Point) -> Vec<String> {
     let mut row = vec![way.name().to_owned(), format!("{friction:?}")];
     match ending {
         Ok(ending) => {
@@ -163,13 +164,13 @@ fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
 
 /// Values of µ in a candidate's range at which both rest and a cycle were met in which the contacts take the
 /// candidate's states at the same time.
-fn met(compared: &[Both]) -> Vec<f64> {
-    let is_met = |both: &&Both| both.takes.contains(&true);
+fn met(compared: &[RestAndMotion]) -> Vec<f64> {
+    let is_met = |both: &&RestAndMotion| both.takes.contains(&true);
     looked_at(compared.iter().filter(is_met))
 }
 
 /// Values of µ of motions other than rest, each once; a value may have several motions.
-fn looked_at<'a>(compared: impl Iterator<Item = &'a Both>) -> Vec<f64> {
+fn looked_at<'a>(compared: impl Iterator<Item = &'a RestAndMotion>) -> Vec<f64> {
     let mut values: Vec<f64> = compared.map(|both| both.friction).collect();
     values.dedup();
     values
@@ -181,9 +182,9 @@ fn bracket([from, to]: &[f64; 2]) -> [String; 2] {
     (6..15).map(written).find(|[from, to]| from != to).unwrap_or_else(|| written(15))
 }
 
-fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
-    say!("{}: motions over µ\n{}\n", scene.name, heading(&[(scene, look)]));
-    for (way, points) in Way::ALL.into_iter().zip([&found.rising, &found.falling]) {
+fn print(scene: &Scene, observation: &ObservationSettings, resolution: f64, found: &Continuation) {
+    say!("{}: motions over µ\n{}\n", scene.name, heading(&[(scene, observation)]));
+    for (way, points) in SweepDirection::ALL.into_iter().zip([&found.rising, &found.falling]) {
         say!("µ {}", way.name());
         for run in points.chunk_by(|a, b| kind(a) == kind(b)) {
             let (first, last) = (&run[0], &run[run.len() - 1]);
@@ -201,7 +202,7 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
         say!("  none");
     }
     for Jump { way, between, endings: [before, after], .. } in &found.jumps {
-        let (before, after) = (told(before), told(after));
+        let (before, after) = (describe_motion(before), describe_motion(after));
         let [from, to] = bracket(between);
         say!("  {:8} {from} to {to}  {before} becomes {after}", way.name());
     }
@@ -211,8 +212,8 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
         let open = |is_bounded: &bool| if *is_bounded { "" } else { " (limit of the search)" };
         let [from, to] = bracket(range);
         say!("  {from}{} to {to}{}: {}", open(&bounded[0]), open(&bounded[1]), both.words());
-        if let Some(Third { friction, ending }) = third {
-            say!("    and a third motion: at {friction:.6} {}", told(ending));
+        if let Some(ThirdMotion { friction, ending }) = third {
+            say!("    and a third motion: at {friction:.6} {}", describe_motion(ending));
         }
     }
     for range in &found.unknown {
@@ -239,7 +240,7 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
 
 /// `true` if the way downwards, too, has begun at rest and no other motion was met beside the first.
 fn only_rests(found: &Continuation) -> bool {
-    let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
+    let rests = |point: &Point| point.ending.as_ref().is_ok_and(LongTermMotion::rests);
     found.bistable.is_empty() && found.falling.last().is_some_and(rests)
 }
 
@@ -310,7 +311,7 @@ fn print_eigenvalues(
                 format!("visited by a limit cycle that coexists with rest, at µ = {values}")
             }
         };
-        let states = Joined(&candidate.states);
+        let states = JoinedStates(&candidate.states);
         let hz = candidate.frequency_hz;
         say!("  candidate {states} ({hz:.2} Hz) from {from:.4} to {to:.4}: {found}");
     }
@@ -322,7 +323,7 @@ fn listed(values: impl Iterator<Item = f64>) -> String {
 }
 
 /// Describes a motion with its amplitude; for a motion that has not settled, it is the last one observed.
-fn told(ending: &Ending) -> String {
+fn describe_motion(ending: &LongTermMotion) -> String {
     match ending.kind {
         Kind::Unbounded => "growth without bound".to_owned(),
         Kind::Equilibrium => "rest".to_owned(),

@@ -1,8 +1,8 @@
 //! The folder of a study: its journal, its results as CSV and JSON, its pictures.
 
-use super::arguments::{Common, Pictures};
+use super::arguments::{Pictures, StudyArguments};
 use amontons::scene::{Scene, Source};
-use amontons_analysis::output::Pending;
+use amontons_analysis::output::AtomicFile;
 use amontons_analysis::study::{Journal, Owner};
 use amontons_pictures::picture::Chart;
 use serde::Serialize;
@@ -27,7 +27,7 @@ impl Folder {
     /// # Errors
     /// Returns an error if the folder cannot be created or written, or if it is named and holds another study.
     pub fn open(
-        common: &Common,
+        common: &StudyArguments,
         kind: &str,
         (scene, source): (&Scene, &Source),
         settings: impl Serialize,
@@ -101,7 +101,7 @@ impl Folder {
     ) -> Result<(), Box<dyn Error>> {
         let path = self.path.join(format!("{name}.csv"));
         let failed = |error: &std::io::Error| amontons::Error::file(&path, error);
-        let mut file = Pending::create(&path)?;
+        let mut file = AtomicFile::create(&path)?;
         writeln!(file, "{}", head.join(",")).map_err(|error| failed(&error))?;
         for row in rows {
             writeln!(file, "{}", row.as_ref().join(",")).map_err(|error| failed(&error))?;
@@ -120,7 +120,7 @@ impl Folder {
         study["command"] =
             json!(["amontons".to_owned()].into_iter().chain(command).collect::<Vec<_>>());
         study["results"] = serde_json::to_value(results)?;
-        let mut file = Pending::create(&path)?;
+        let mut file = AtomicFile::create(&path)?;
         let written = file.write_all(format!("{study:#}\n").as_bytes());
         written.map_err(|error| amontons::Error::file(&path, &error))?;
         Ok(file.complete()?)

@@ -1,6 +1,6 @@
 //! `amontons study limit-cycle`.
 
-use super::arguments::{Common, Looking};
+use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, quoted};
 use super::{heading, interrupted, over, prepared, prepared_again, watched};
 use crate::arguments::Values;
@@ -8,7 +8,7 @@ use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::{
-    Ending, Kind, Look, MotionBracket, Outcome, Push, Question, limit_cycles,
+    Kind, LongTermMotion, MotionBracket, ObservationSettings, Outcome, Push, Question, limit_cycles,
 };
 use amontons_analysis::sweep::Possible;
 use amontons_analysis::sweep::range::{self, number};
@@ -22,13 +22,13 @@ use std::io::{Write, stdout};
 #[derive(Args)]
 pub struct LimitCycle {
     #[command(flatten)]
-    pub common: Common,
+    pub common: StudyArguments,
     /// Parameter or input with its values from A to B, in steps of STEP or as N values, or with one value [default:
     /// the slider's velocity, with the value of the scene]
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N|VALUE", value_parser = named_values)]
     pub parameter: Option<(String, Values)>,
     #[command(flatten)]
-    pub looking: Looking,
+    pub options: ObservationOptions,
     /// Accuracy of the values at which the motion changes, as a part of the distance between two values
     #[arg(long, value_name = "PART", default_value = "1e-3", value_parser = part, allow_hyphen_values = true)]
     pub resolution: f64,
@@ -68,8 +68,8 @@ fn as_it_is(scene: &Scene) -> (String, Values) {
 }
 
 pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
-    let LimitCycle { common, parameter, looking, .. } = arguments;
-    let (scene, source, look) = prepared(common, looking)?;
+    let LimitCycle { common, parameter, options, .. } = arguments;
+    let (scene, source, observation) = prepared(common, options)?;
     let (name, Values(values)) = &parameter.clone().unwrap_or_else(|| as_it_is(&scene));
     // The values are checked before the folder is created.
     let possible = Possible::of(&scene, name, values)?;
@@ -102,19 +102,20 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
         portraits: (!drawn.is_empty()).then_some(drawn),
         contacts: arguments.contacts,
     };
-    let prepare = |scene: &mut Scene| prepared_again(scene, common, looking);
+    let prepare = |scene: &mut Scene| prepared_again(scene, common, options);
     let mut runs = Vec::with_capacity(question.values.len());
     for value in &question.values {
         let mut scene = scene.clone();
         assign(&mut scene, name, *value)?;
-        let look = prepare(&mut scene)?;
-        runs.push((scene, look));
+        let observation = prepare(&mut scene)?;
+        runs.push((scene, observation));
     }
-    let folder = Folder::open(common, "limit-cycle", (&scene, &source), (&look, looking))?;
+    let folder = Folder::open(common, "limit-cycle", (&scene, &source), (&observation, options))?;
     let found =
         watched(|watch| limit_cycles(&scene, &prepare, &question, folder.journal(), watch))?;
     let Some(found) = found else { return Err(interrupted(&folder)) };
-    let results = Results { scene: &scene, of: &look.of, question: &question, found: &found };
+    let results =
+        Results { scene: &scene, of: &observation.of, question: &question, found: &found };
     folder.write_csv(&head(&results), rows(&results))?;
     folder.write_json(json!({ "question": question, "found": found }))?;
     folder.draw("limit-cycle", &results.chart())?;
@@ -152,7 +153,7 @@ fn rows(results: &Results<'_>) -> impl Iterator<Item = Vec<String>> {
     results.outcomes().map(|(value, outcome)| {
         let mut row = vec![format!("{value:?}")];
         match outcome {
-            Outcome::Ending(ending) => {
+            Outcome::LongTermMotion(ending) => {
                 let amplitude = match ending.kind {
                     Kind::Unbounded => String::new(),
                     _ => format!("{:?}", ending.amplitude),
@@ -178,7 +179,7 @@ fn rows(results: &Results<'_>) -> impl Iterator<Item = Vec<String>> {
 
 fn print(
     results: &Results<'_>,
-    runs: &[(Scene, Look)],
+    runs: &[(Scene, ObservationSettings)],
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
     let Results { scene, question, found, .. } = results;
@@ -193,7 +194,7 @@ fn print(
     writeln!(
         out,
         "{}",
-        heading(&runs.iter().map(|(scene, look)| (scene, look)).collect::<Vec<_>>())
+        heading(&runs.iter().map(|(scene, observation)| (scene, observation)).collect::<Vec<_>>())
     )?;
     writeln!(out)?;
     let width = question.name.chars().count();
@@ -206,7 +207,15 @@ fn print(
     for (value, outcome) in results.outcomes() {
         let value = format!("{value:?}");
         match outcome {
-            Outcome::Ending(Ending { kind, amplitude, frequency, shares, taken, time, .. }) => {
+            Outcome::LongTermMotion(LongTermMotion {
+                kind,
+                amplitude,
+                frequency,
+                shares,
+                taken,
+                time,
+                ..
+            }) => {
                 let is_cycle = !matches!(kind, Kind::Equilibrium | Kind::Unbounded);
                 let frequency = frequency.filter(|_| is_cycle);
                 let amplitude = match kind {
@@ -256,15 +265,15 @@ fn print(
              --parameter shows them"
         )?;
     }
-    let is_left = |outcome: &Outcome| matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled);
-    let left: Vec<(f64, &Look)> = results
+    let is_left = |outcome: &Outcome| matches!(outcome, Outcome::LongTermMotion(ending) if ending.kind == Kind::Unsettled);
+    let left: Vec<(f64, &ObservationSettings)> = results
         .outcomes()
         .zip(runs)
         .filter(|((_, outcome), _)| is_left(outcome))
-        .map(|((value, _), (_, look))| (value, look))
+        .map(|((value, _), (_, observation))| (value, observation))
         .collect();
     if !left.is_empty() {
-        let longest = over(left.iter().map(|(_, look)| look.longest));
+        let longest = over(left.iter().map(|(_, observation)| observation.longest));
         let values: Vec<String> = left.iter().map(|(value, _)| format!("{value:?}")).collect();
         writeln!(
             out,
@@ -289,20 +298,20 @@ fn print(
 /// Prints the evidence for the kinds of motion: for periodic and quasi-periodic motions in a row once, from the value
 /// with the weakest evidence; for other kinds, for each value.
 fn print_evidence(results: &Results<'_>, out: &mut dyn Write) -> std::io::Result<()> {
-    let endings: Vec<(f64, &Ending)> = results
+    let endings: Vec<(f64, &LongTermMotion)> = results
         .outcomes()
         .filter_map(|(value, outcome)| match outcome {
-            Outcome::Ending(ending) => Some((value, ending)),
+            Outcome::LongTermMotion(ending) => Some((value, ending)),
             Outcome::Failure(_) => None,
         })
         .collect();
-    let is_alike = |a: &Ending, b: &Ending| {
+    let is_alike = |a: &LongTermMotion, b: &LongTermMotion| {
         a.kind == b.kind
             && matches!(a.kind, Kind::Periodic | Kind::QuasiPeriodic)
             && (a.linear, a.follows, a.two_frequencies) == (b.linear, b.follows, b.two_frequencies)
     };
     for run in endings.chunk_by(|a, b| is_alike(a.1, b.1)) {
-        let closure = |ending: &Ending| ending.closure.unwrap_or(0.0);
+        let closure = |ending: &LongTermMotion| ending.closure.unwrap_or(0.0);
         let least = run.iter().max_by(|a, b| closure(a.1).total_cmp(&closure(b.1)));
         let Some((value, ending)) = least else { continue };
         let Some(evidence) = ending.evidence() else { continue };

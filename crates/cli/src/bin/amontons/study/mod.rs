@@ -15,13 +15,13 @@ use amontons::scene::{Method, Scene, Selection, Source};
 use amontons::selection::select;
 use amontons_analysis::assign::assign;
 use amontons_analysis::doubts::doubts_of;
-use amontons_analysis::study::{Look, Watch, pace};
+use amontons_analysis::study::{ObservationSettings, Watch, pace};
 use amontons_analysis::sweep::range::check_once;
 use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
 use amontons_export::documentation::counted;
 use amontons_export::scene;
-use arguments::{Common, Looking, Study};
+use arguments::{ObservationOptions, Study, StudyArguments};
 use folder::Folder;
 use std::error::Error;
 
@@ -37,7 +37,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
 }
 
 /// Returns the scene with the values of the command line, and its source.
-fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
+fn found(common: &StudyArguments) -> Result<(Scene, Source), amontons::Error> {
     let (mut scene, source) = scene::find(&common.scene)?;
     check_once(&common.set)?;
     for (name, value) in &common.set {
@@ -52,42 +52,45 @@ fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
 
 /// Returns the scene with the values of the command line and the method and step of a study, its source, and the
 /// observation settings.
-fn prepared(common: &Common, looking: &Looking) -> Result<(Scene, Source, Look), amontons::Error> {
-    prepared_with(common, looking, pace)
+fn prepared(
+    common: &StudyArguments,
+    options: &ObservationOptions,
+) -> Result<(Scene, Source, ObservationSettings), amontons::Error> {
+    prepared_with(common, options, pace)
 }
 
 /// Prepares the scene as [`prepared`] does; if the command line gives no method and step, `default` sets them.
 fn prepared_with(
-    common: &Common,
-    looking: &Looking,
-    default: fn(&mut Scene, &Look),
-) -> Result<(Scene, Source, Look), amontons::Error> {
+    common: &StudyArguments,
+    options: &ObservationOptions,
+    default: fn(&mut Scene, &ObservationSettings),
+) -> Result<(Scene, Source, ObservationSettings), amontons::Error> {
     let (mut scene, source) = found(common)?;
-    let look = Look::of(&scene, &looking.wish())?;
-    set_pace(&mut scene, common, &look, default)?;
-    Ok((scene, source, look))
+    let observation = ObservationSettings::of(&scene, &options.request())?;
+    set_pace(&mut scene, common, &observation, default)?;
+    Ok((scene, source, observation))
 }
 
 /// Prepares the scene of a study again after a parameter has changed: the method and step of the command line stay,
 /// those derived from the observation settings are derived again.
 fn prepared_again(
     scene: &mut Scene,
-    common: &Common,
-    looking: &Looking,
-) -> Result<Look, amontons::Error> {
-    let look = Look::of(scene, &looking.wish())?;
-    follow(scene, common, &look, pace)?;
-    Ok(look)
+    common: &StudyArguments,
+    options: &ObservationOptions,
+) -> Result<ObservationSettings, amontons::Error> {
+    let observation = ObservationSettings::of(scene, &options.request())?;
+    follow(scene, common, &observation, pace)?;
+    Ok(observation)
 }
 
 /// Sets the method and step of a study.
 fn set_pace(
     scene: &mut Scene,
-    common: &Common,
-    look: &Look,
-    default: fn(&mut Scene, &Look),
+    common: &StudyArguments,
+    observation: &ObservationSettings,
+    default: fn(&mut Scene, &ObservationSettings),
 ) -> Result<(), amontons::Error> {
-    if !follow(scene, common, look, default)? {
+    if !follow(scene, common, observation, default)? {
         common.integrator.apply(scene)?;
     }
     // A tolerance chooses the step once, for the scene as it is given, so all runs have the same step.
@@ -103,15 +106,15 @@ fn set_pace(
 /// Derives the step of a scene from the observation settings. Returns `false` if the command line gives the step.
 fn follow(
     scene: &mut Scene,
-    common: &Common,
-    look: &Look,
-    default: fn(&mut Scene, &Look),
+    common: &StudyArguments,
+    observation: &ObservationSettings,
+    default: fn(&mut Scene, &ObservationSettings),
 ) -> Result<bool, amontons::Error> {
     let given = &common.integrator;
     match (given.integrator, given.step, given.preset) {
-        (None, None, None) => default(scene, look),
+        (None, None, None) => default(scene, observation),
         (Some(Method::EventDriven), None, None) => {
-            scene.set_integrator(given.integrator, Some(look.interval))?;
+            scene.set_integrator(given.integrator, Some(observation.interval))?;
         }
         _ => return Ok(false),
     }
@@ -119,7 +122,7 @@ fn follow(
 }
 
 /// Method, step and observation settings of all runs, for the heading of a table.
-fn heading(runs: &[(&Scene, &Look)]) -> String {
+fn heading(runs: &[(&Scene, &ObservationSettings)]) -> String {
     let method = match runs[0].0.method {
         Method::EventDriven => "exact motion between events",
         Method::ForwardIncrement => "the paper's scheme",
@@ -128,9 +131,9 @@ fn heading(runs: &[(&Scene, &Look)]) -> String {
         "{method}, step {} s; {} observed every {} s in windows of {} s, for at most {} s",
         over(runs.iter().map(|(scene, _)| scene.step)),
         runs[0].1.of,
-        over(runs.iter().map(|(_, look)| look.interval)),
-        over(runs.iter().map(|(_, look)| look.window)),
-        over(runs.iter().map(|(_, look)| look.longest)),
+        over(runs.iter().map(|(_, observation)| observation.interval)),
+        over(runs.iter().map(|(_, observation)| observation.window)),
+        over(runs.iter().map(|(_, observation)| observation.longest)),
     )
 }
 

@@ -1,6 +1,6 @@
 //! `amontons study perturbation`.
 
-use super::arguments::{Common, Looking};
+use super::arguments::{ObservationOptions, StudyArguments};
 use super::attractor::{self, number};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared, watched};
@@ -9,7 +9,7 @@ use amontons::scene::Scene;
 use amontons_analysis::study::perturbation::{
     Direction, Perturbations, Run, Threshold, perturbation,
 };
-use amontons_analysis::study::{Look, initial_value};
+use amontons_analysis::study::{ObservationSettings, initial_value};
 use amontons_cli::charts::attractor::unit_of;
 use amontons_cli::charts::perturbation::{endings, histories};
 use amontons_cli::say;
@@ -21,9 +21,9 @@ use std::error::Error;
 #[derive(Args)]
 pub struct Perturbation {
     #[command(flatten)]
-    common: Common,
+    common: StudyArguments,
     #[command(flatten)]
-    looking: Looking,
+    options: ObservationOptions,
     /// Initial value to vary, such as module[1].v2; the other initial values are those of the scene or of --set
     #[arg(long, value_name = "NAME")]
     direction: String,
@@ -36,8 +36,8 @@ pub struct Perturbation {
 }
 
 pub fn run(arguments: &Perturbation) -> Result<(), Box<dyn Error>> {
-    let Perturbation { common, looking, direction: name, amplitude, resolution } = arguments;
-    let (scene, source, look) = prepared(common, looking)?;
+    let Perturbation { common, options, direction: name, amplitude, resolution } = arguments;
+    let (scene, source, observation) = prepared(common, options)?;
     let direction = Direction {
         name: initial_value(&scene, name)?,
         amplitudes: amplitude.0.clone(),
@@ -47,20 +47,21 @@ pub fn run(arguments: &Perturbation) -> Result<(), Box<dyn Error>> {
         eprintln!("note: {} takes the values of --amplitude, not that of --set", direction.name);
     }
     // Neither the range nor the resolution affects the end of a run, so both may be changed later.
-    let settings = json!({ "direction": direction.name, "look": look });
+    let settings = json!({ "direction": direction.name, "look": observation });
     let folder = Folder::open(common, "perturbation", (&scene, &source), settings)?;
-    let found = watched(|watch| perturbation(&scene, &direction, &look, folder.journal(), watch))?;
+    let found =
+        watched(|watch| perturbation(&scene, &direction, &observation, folder.journal(), watch))?;
     let Some(found) = found else { return Err(interrupted(&folder)) };
     folder.write_csv(
         &["amplitude", "kind", "attractor", "final_amplitude", "frequency", "time"],
         found.runs.iter().map(row),
     )?;
     folder.write_json(json!({ "direction": direction, "found": found }))?;
-    print(&scene, &direction, &look, &found);
-    folder.draw("perturbation", &endings(&scene, &direction, &look, &found))?;
+    print(&scene, &direction, &observation, &found);
+    folder.draw("perturbation", &endings(&scene, &direction, &observation, &found))?;
     if let Some(threshold) = found.thresholds.first() {
         match watched(|watch| {
-            histories(&scene, &direction, &look, (&found, threshold), &|| watch.is_over())
+            histories(&scene, &direction, &observation, (&found, threshold), &|| watch.is_over())
         })? {
             Some(chart) => folder.draw("histories", &chart)?,
             None => return Err(interrupted(&folder)),
@@ -84,11 +85,16 @@ fn row(run: &Run) -> [String; 6] {
     ]
 }
 
-fn print(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) {
+fn print(
+    scene: &Scene,
+    direction: &Direction,
+    observation: &ObservationSettings,
+    found: &Perturbations,
+) {
     let unit = unit_of(scene, &direction.name);
     say!("{}: {}, {unit}", scene.name, direction.name);
-    say!("{}", heading(&[(scene, look)]));
-    attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
+    say!("{}", heading(&[(scene, observation)]));
+    attractor::print(&found.attractors, &observation.of, unit_of(scene, &observation.of));
     say!("\n{:<27}  runs  end in", direction.name);
     for same in found.runs.chunk_by(|a, b| class(a) == class(b)) {
         let [first, last] = [&same[0], &same[same.len() - 1]].map(|run| run.amplitude);

@@ -1,6 +1,6 @@
 //! `amontons study transient`: growth and decay in one run.
 
-use super::arguments::Common;
+use super::arguments::StudyArguments;
 use super::folder::Folder;
 use super::{found, set_pace, watched};
 use crate::arguments::positive;
@@ -8,9 +8,9 @@ use amontons::decimal::to_significant;
 use amontons::error::Rounded;
 use amontons::scene::{Experiment, Scene};
 use amontons_analysis::study::transient::{
-    Eigenvalue, Finding, Open, Phase, Taken, Transient, interval, transient,
+    Eigenvalue, Finding, OpenQuestion, Phase, StateShare, Transient, interval, transient,
 };
-use amontons_analysis::study::{Look, output, pace};
+use amontons_analysis::study::{ObservationSettings, output, pace};
 use amontons_cli::charts::transient::{chart, most_telling};
 use amontons_cli::interrupt::Interrupted;
 use clap::Args;
@@ -20,9 +20,9 @@ use std::f64::consts::TAU;
 use std::io::{ErrorKind, Write, stdout};
 
 #[derive(Args)]
-pub struct Arguments {
+pub struct TransientArguments {
     #[command(flatten)]
-    common: Common,
+    common: StudyArguments,
     /// Output to analyse, such as a displacement or a velocity [default: the displacement that moves most]
     #[arg(long, value_name = "NAME")]
     of: Option<String>,
@@ -35,7 +35,7 @@ pub struct Arguments {
     output_interval: Option<f64>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+pub fn run(arguments: &TransientArguments) -> Result<(), Box<dyn Error>> {
     let (mut scene, source) = found(&arguments.common)?;
     if let Some(name) = &arguments.of {
         output(&scene, name)?;
@@ -45,13 +45,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let output_interval = arguments.output_interval.unwrap_or(output_interval);
     let experiment = Experiment { stop_time, output_interval };
     Scene { experiment, ..scene.clone() }.check()?;
-    let look = Look {
+    let observation = ObservationSettings {
         of: arguments.of.clone().unwrap_or_default(),
         interval: interval(&scene, output_interval),
         window: stop_time,
         longest: stop_time,
     };
-    set_pace(&mut scene, &arguments.common, &look, pace)?;
+    set_pace(&mut scene, &arguments.common, &observation, pace)?;
     let settings = json!({
         "of": arguments.of,
         "stop_time": stop_time,
@@ -136,7 +136,7 @@ fn cells(finding: &Finding) -> Vec<String> {
         Some(pair) => pair.map(|number| format!("{number:?}")),
         None => [String::new(), String::new()],
     });
-    let listed = |cell: &dyn Fn(&Taken) -> String| {
+    let listed = |cell: &dyn Fn(&StateShare) -> String| {
         finding.taken.iter().map(cell).collect::<Vec<_>>().join("; ")
     };
     cells.push(listed(&|taken| format!("{} {:?}", taken.states, taken.share)));
@@ -228,7 +228,7 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
         };
         writeln!(out, "  nearest eigenvalue  at rest        {}", eigenvalue(finding.resting))?;
         for taken in &finding.taken {
-            let Taken { states, share, .. } = taken;
+            let StateShare { states, share, .. } = taken;
             let states = format!("{states} ({:.0} %)", 100.0 * share);
             writeln!(out, "                      {states:<15}{}", eigenvalue(taken.eigenvalue))?;
         }
@@ -272,7 +272,7 @@ const NO_MODES: &str = "growth is evaluated by the spectral lines of the output,
 const STATES_TELL: &str =
     "amontons-stability states computes the growth rate of each mode without a run";
 
-fn asked(question: &Open, interval: f64) -> String {
+fn asked(question: &OpenQuestion, interval: f64) -> String {
     let rate = |phase: &Phase| {
         format!(
             "a mode {} ({} {}) by a factor of {:.3}",
@@ -283,7 +283,7 @@ fn asked(question: &Open, interval: f64) -> String {
         )
     };
     match question {
-        Open::LessThanTenfold { phase, stop_time, is_beside_growth } => {
+        OpenQuestion::LessThanTenfold { phase, stop_time, is_beside_growth } => {
             let decides = format!("--stop-time {} or more", rounded_up(*stop_time));
             let unless = if *is_beside_growth {
                 ", unless a growing mode hides it or makes a contact change its state first"
@@ -295,7 +295,7 @@ fn asked(question: &Open, interval: f64) -> String {
                 rate(phase)
             )
         }
-        Open::EndsBeforeTenfold { phase, is_ended_by_others } => {
+        OpenQuestion::EndsBeforeTenfold { phase, is_ended_by_others } => {
             let until = time(phase.span[1], interval);
             let decides = if *is_ended_by_others {
                 ""
@@ -307,7 +307,7 @@ fn asked(question: &Open, interval: f64) -> String {
                 rate(phase),
             )
         }
-        Open::TooSlow { count, frequency, stop_time } => format!(
+        OpenQuestion::TooSlow { count, frequency, stop_time } => format!(
             "the run is too short to show whether {}; --stop-time {} or more may show it",
             match (count, *frequency) {
                 (1, 0.0) => "a mode that does not oscillate grows or decays".to_owned(),
@@ -319,14 +319,14 @@ fn asked(question: &Open, interval: f64) -> String {
             },
             rounded_up(*stop_time),
         ),
-        Open::TooShort { span, periods, stop_time } => format!(
+        OpenQuestion::TooShort { span, periods, stop_time } => format!(
             "from {} s on {NO_MODES}, and {periods:.1} periods of the strongest line are too few to see it; \
              --stop-time {} or more may decide, or a smaller initial perturbation, with which contacts keep their states \
              for longer",
             time(span[0], interval),
             rounded_up(*stop_time),
         ),
-        Open::Slower { span, rate } => format!(
+        OpenQuestion::Slower { span, rate } => format!(
             "from {} s on {NO_MODES}; a tenfold change that is slower than {rate:.2} 1/s, or of a line beside \
              stronger ones, may not be seen: a longer run (--stop-time), another output (--of), a smaller initial \
              perturbation or the scene without its signals may show it; amontons study limit-cycle finds the final \

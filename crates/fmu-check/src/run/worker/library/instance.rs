@@ -2,7 +2,7 @@
 
 use super::callbacks::Callbacks;
 use super::status::{Refused, succeeded};
-use super::{Component, Free, Library, Status, Text};
+use super::{Component, FreeInstance, Library, Status, Text};
 use libc::{c_int, c_uint, c_void, size_t};
 use std::cell::Cell;
 use std::ffi::{CStr, CString};
@@ -145,8 +145,8 @@ impl<'a> Instance<'a> {
     }
 
     pub(crate) fn free(&self, mut state: SavedState) -> Result<(), Refused> {
-        type Free = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
-        let function = self.library.function::<Free>("fmi2FreeFMUstate")?;
+        type FreeState = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
+        let function = self.library.function::<FreeState>("fmi2FreeFMUstate")?;
         // SAFETY: component and state are alive, and the state is used no more.
         self.succeeded(unsafe { function(self.component, &raw mut state.0) })
     }
@@ -185,7 +185,7 @@ impl Drop for Instance<'_> {
         if self.is_lost.get() {
             return;
         }
-        if let Ok(free) = self.library.function::<Free>("fmi2FreeInstance") {
+        if let Ok(free) = self.library.function::<FreeInstance>("fmi2FreeInstance") {
             // SAFETY: the component is alive and used no more.
             unsafe { free(self.component) }
         }

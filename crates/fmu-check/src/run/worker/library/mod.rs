@@ -25,7 +25,7 @@ type Status = c_int;
 type Text = *const c_char;
 type Instantiate =
     unsafe extern "C" fn(Text, c_int, Text, Text, *const Callbacks, c_int, c_int) -> Component;
-type Free = unsafe extern "C" fn(Component);
+type FreeInstance = unsafe extern "C" fn(Component);
 
 /// A loaded library.
 pub(super) struct Library(libloading::Library);
@@ -75,7 +75,7 @@ impl Library {
 
     /// Calls `fmi2FreeInstance(NULL)`.
     pub(super) fn free_null(&self) {
-        if let Ok(free) = self.function::<Free>("fmi2FreeInstance") {
+        if let Ok(free) = self.function::<FreeInstance>("fmi2FreeInstance") {
             // SAFETY: the standard requires that this call is ignored.
             unsafe { free(ptr::null_mut()) }
         }

@@ -1,10 +1,10 @@
 //! Constraints of a contact under the law of the scene.
 
-use crate::contact::{ContactLaw, ContactState, Friction, FrictionLaw, FrictionRange, UnderLaw};
+use crate::contact::{ContactLaw, ContactState, Friction, FrictionLaw, FrictionRange, LawVisitor};
 
 /// The constraint of a contact in the present problem.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::integrator) enum Freedom {
+pub(in crate::integrator) enum ContactConstraint {
     /// The full law of the contact, with friction in this range where it holds.
     Law(FrictionRange),
     /// An open contact, which carries no force.
@@ -36,7 +36,7 @@ pub(in crate::integrator) enum Freedom {
     },
 }
 
-impl Freedom {
+impl ContactConstraint {
     /// `true` if the contact is held in both directions of its normal, so that it presses or pulls.
     pub fn is_held(&self) -> bool {
         matches!(self, Self::Held(_) | Self::HeldSlipping { .. })
@@ -59,7 +59,7 @@ impl Freedom {
     }
 
     /// Replaces a static limit of friction in this direction (±1) by the kinetic one; `true` if that changes the limit.
-    pub(super) fn let_go(&mut self, direction: f64) -> bool {
+    pub(super) fn release_to_kinetic_friction(&mut self, direction: f64) -> bool {
         match self {
             Self::Law(range) | Self::Held(range) if range.limit(direction) > range.kinetic => {
                 *range.limit_mut(direction) = range.kinetic;
@@ -99,10 +99,11 @@ impl Freedom {
 
 /// Returns the freedom of a contact from its friction, its slip velocity (m/s), the velocity of its surface (m/s), and
 /// its state before.
-pub(in crate::integrator) type FreedomOf = fn(Friction, f64, f64, ContactState) -> Freedom;
+pub(in crate::integrator) type ConstraintOf =
+    fn(Friction, f64, f64, ContactState) -> ContactConstraint;
 
 /// The freedom of contacts under this law.
-pub(in crate::integrator) fn freedom_of(law: ContactLaw) -> FreedomOf {
+pub(in crate::integrator) fn constraint_of(law: ContactLaw) -> ConstraintOf {
     law.friction.apply(law.sticking, Choice { detachment: law.detachment })
 }
 
@@ -110,30 +111,34 @@ struct Choice {
     detachment: bool,
 }
 
-impl UnderLaw for Choice {
-    type Output = FreedomOf;
+impl LawVisitor for Choice {
+    type Output = ConstraintOf;
 
-    fn under<L: FrictionLaw>(self) -> FreedomOf {
-        if self.detachment { freedom::<L, true> } else { freedom::<L, false> }
+    fn under<L: FrictionLaw>(self) -> ConstraintOf {
+        if self.detachment { constraint::<L, true> } else { constraint::<L, false> }
     }
 }
 
-fn freedom<L: FrictionLaw, const DETACHMENT: bool>(
+fn constraint<L: FrictionLaw, const DETACHMENT: bool>(
     friction: Friction,
     slip: f64,
     surface: f64,
     before: ContactState,
-) -> Freedom {
+) -> ContactConstraint {
     let law = L::new(friction, surface).at(slip, before);
     if L::STICKS {
         let range = law.range(before);
-        return if DETACHMENT { Freedom::Law(range) } else { Freedom::Held(range) };
+        return if DETACHMENT {
+            ContactConstraint::Law(range)
+        } else {
+            ContactConstraint::Held(range)
+        };
     }
     let (slope, state) = law.slip(slip, 1.0);
     if DETACHMENT {
         let direction = state.sliding_direction().unwrap_or(1.0);
-        Freedom::Slipping { direction, friction: slope.abs() }
+        ContactConstraint::Slipping { direction, friction: slope.abs() }
     } else {
-        Freedom::Guided { slope, state }
+        ContactConstraint::Guided { slope, state }
     }
 }

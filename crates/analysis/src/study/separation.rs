@@ -51,7 +51,7 @@ const SLOWLY: f64 = 0.5;
 
 /// The separation of neighbouring motions over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Parting {
+pub(super) enum NeighbourSeparation {
     /// Exponentially, at about this rate, 1/s.
     Exponential(f64),
     /// The distance grows in proportion to time, or not at all.
@@ -76,11 +76,11 @@ pub(super) fn parting(
     frequency: f64,
     (rows, is_long): (u64, bool),
     is_over: &dyn Fn() -> bool,
-) -> Result<Parting, Error> {
+) -> Result<NeighbourSeparation, Error> {
     let mut motion = Simulation::resume(simulation.save())?;
     let scale = begin_fast(&mut motion, interval, frequency, rows)?;
     let Some(mut neighbour) = neighbour(&mut motion, interval, (&scale, rows), is_over)? else {
-        return Ok(Parting::Unknown);
+        return Ok(NeighbourSeparation::Unknown);
     };
     let start = motion.time();
     let mut windows = WINDOWS_APART;
@@ -94,7 +94,7 @@ pub(super) fn parting(
         while row < 2 * half {
             row += 1;
             if row.is_multiple_of(256) && is_over() {
-                return Ok(Parting::Unknown);
+                return Ok(NeighbourSeparation::Unknown);
             }
             let after = row as f64 * interval;
             motion.advance_to(start + after)?;
@@ -102,7 +102,7 @@ pub(super) fn parting(
             let distance = scale.distance(&motion, &State::of(&neighbour));
             // The rest of the difference is lost in rounding.
             if distance == 0.0 {
-                return Ok(Parting::Together);
+                return Ok(NeighbourSeparation::Together);
             }
             // Between an event of one and the same event of the other they are as far apart as the event changes the motion.
             if neighbour.contact_states() != motion.contact_states() {
@@ -110,7 +110,7 @@ pub(super) fn parting(
             }
             let grown = before + libm::log(distance / APART);
             if grown >= libm::log(PARTED / APART) {
-                return Ok(Parting::Exponential(grown / after));
+                return Ok(NeighbourSeparation::Exponential(grown / after));
             }
             if !(NEAR..=PARTED).contains(&distance) {
                 neighbour.set_apart_from(&motion, APART / distance);
@@ -127,19 +127,19 @@ pub(super) fn parting(
         let is_seen = early > f64::NEG_INFINITY && late > f64::NEG_INFINITY;
         let grown = if is_seen { libm::exp(late - early) } else { f64::NAN };
         if windows >= LEAST_WINDOWS_TOGETHER && late <= libm::log(TOGETHER) && grown <= SHRINKING {
-            return Ok(Parting::Together);
+            return Ok(NeighbourSeparation::Together);
         }
         if grown >= EXPONENTIAL && late > libm::log(100.0) {
-            return Ok(Parting::Exponential((late - early) / (half as f64 * interval)));
+            return Ok(NeighbourSeparation::Exponential((late - early) / (half as f64 * interval)));
         }
         if grown <= REGULAR && !is_long && late > libm::log(TOGETHER) {
-            return Ok(Parting::Unknown);
+            return Ok(NeighbourSeparation::Unknown);
         }
         if 2 * windows > MOST_WINDOWS_APART {
             return Ok(match grown {
-                ..=SLOWLY => Parting::Together,
-                ..=REGULAR => Parting::Regular,
-                _ => Parting::Unknown,
+                ..=SLOWLY => NeighbourSeparation::Together,
+                ..=REGULAR => NeighbourSeparation::Regular,
+                _ => NeighbourSeparation::Unknown,
             });
         }
         windows *= 2;

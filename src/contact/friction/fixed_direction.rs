@@ -7,15 +7,15 @@ use crate::contact::ContactState;
 /// A law without sticking, as the linearised analysis of uniform sliding assumes. Friction follows N with its sign, so
 /// a contact that is held in both directions has linear motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frozen<L> {
+pub struct FixedDirection<L> {
     law: L,
     surface: f64,
 }
 
-impl<L: FrictionLaw> FrictionLaw for Frozen<L> {
+impl<L: FrictionLaw> FrictionLaw for FixedDirection<L> {
     const STICKS: bool = false;
 
-    type Frozen = Self;
+    type FixedDirection = Self;
 
     #[inline(always)]
     fn new(friction: Friction, surface: f64) -> Self {

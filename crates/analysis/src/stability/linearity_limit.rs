@@ -13,7 +13,7 @@ const UNSEEN: f64 = 1e-12;
 
 /// The first contact that a growing mode makes leave sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Departure {
+pub struct LinearityLimit {
     /// The contact, from 0; the first of those that symmetry makes leave together.
     pub contact: usize,
     /// The state that it enters: where its slip velocity reaches zero it sticks (friction then has
@@ -31,11 +31,11 @@ pub struct Departure {
 /// the way that leaves first counts. `None` where it makes no contact leave, or a contact
 /// could not be solved for.
 #[must_use]
-pub fn departure(
+pub fn linearity_limit(
     linear: LinearModel<'_>,
     equilibrium: &Equilibrium,
     mode: &Mode,
-) -> Option<Departure> {
+) -> Option<LinearityLimit> {
     let model = linear.model();
     let normal = normal_force_amplitudes(linear, mode)?;
     let along = |direction: &amontons::model::Direction| -> Complex<f64> {
@@ -57,11 +57,13 @@ pub fn departure(
         // Transitions that the law of contact leaves out do not happen.
         let may = [!model.law.is_frozen(), model.law.detachment];
         let happens = [slow, open].into_iter().zip(may).filter_map(|(to, may)| may.then_some(to));
-        happens.map(move |(into, amplitude)| Departure { contact, into, amplitude, dof })
+        happens.map(move |(into, amplitude)| LinearityLimit { contact, into, amplitude, dof })
     });
-    let all: Vec<Departure> = first.filter(|departure| departure.amplitude.is_finite()).collect();
-    let least = all.iter().map(|departure| departure.amplitude).fold(f64::INFINITY, f64::min);
-    all.into_iter().find(|departure| departure.amplitude <= least * (1.0 + 1e-9))
+    let all: Vec<LinearityLimit> =
+        first.filter(|linearity_limit| linearity_limit.amplitude.is_finite()).collect();
+    let least =
+        all.iter().map(|linearity_limit| linearity_limit.amplitude).fold(f64::INFINITY, f64::min);
+    all.into_iter().find(|linearity_limit| linearity_limit.amplitude <= least * (1.0 + 1e-9))
 }
 
 /// |N| of each contact for the shape as it is: (λ² M + λ C + K) x = Σ (G_N + s µ G_T)ᵀ N.

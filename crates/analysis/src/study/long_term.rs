@@ -2,7 +2,7 @@
 //!
 //! # What is measured
 //!
-//! A motion is observed in windows, one after the other ([`Look`](super::look::Look)). These are known of each window:
+//! A motion is observed in windows, one after the other ([`ObservationSettings`](super::observation::ObservationSettings)). These are known of each window:
 //!
 //! - its *size*, m: root mean square, about its mean, of y = Σ_i w_i x_i, a mixture of all displacements with
 //!   w_i = 1/2 + frac(0.618 i), so that nothing hides where one output does not see it. Rows have the weights of a
@@ -87,8 +87,8 @@
 //! - The kind does not depend on the output that is looked at. Closure and parting are found in the motion itself,
 //!   between rows too; a return is seen if the rows beside it are near enough (`recurrence`).
 
-use super::parting::MOST_WINDOWS_APART;
 use super::recurrence::Closure;
+use super::separation::MOST_WINDOWS_APART;
 use crate::spectral::{Line, Lines};
 use amontons::contact::ContactState;
 use serde::{Deserialize, Serialize};
@@ -148,7 +148,7 @@ impl Kind {
 /// over a window after the last one, all in the motion itself; those of a motion that rests or has not settled are
 /// found in the rows of the last window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ending {
+pub struct LongTermMotion {
     /// The kind of the motion.
     pub kind: Kind,
     /// Half of the difference between the output's largest and smallest value, in its unit; 0 of an equilibrium.
@@ -209,7 +209,7 @@ pub struct Ending {
     pub extents: Vec<f64>,
 }
 
-impl Ending {
+impl LongTermMotion {
     /// The largest of its [`extents`](Self::extents), m; 0 without any.
     pub(super) fn largest_extent(&self) -> f64 {
         self.extents.iter().copied().fold(0.0, f64::max)

@@ -30,7 +30,7 @@ const MOST_WAITED: f64 = 1000.0;
 
 /// Settings with which a motion is observed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Look {
+pub struct ObservationSettings {
     /// The output whose amplitude and frequency are given, by its name in the FMU.
     pub of: String,
     /// Time between two rows, s.
@@ -43,18 +43,18 @@ pub struct Look {
 
 /// Settings that a person asks for; `None` is derived from the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Wish<'a> {
-    /// The output that is observed ([`Look::of`]).
+pub struct ObservationRequest<'a> {
+    /// The output that is observed ([`ObservationSettings::of`]).
     pub of: Option<&'a str>,
-    /// Time between two rows, s ([`Look::interval`]).
+    /// Time between two rows, s ([`ObservationSettings::interval`]).
     pub interval: Option<f64>,
-    /// Length of a window, s ([`Look::window`]).
+    /// Length of a window, s ([`ObservationSettings::window`]).
     pub window: Option<f64>,
-    /// The longest time that a motion may take to settle, s ([`Look::longest`]).
+    /// The longest time that a motion may take to settle, s ([`ObservationSettings::longest`]).
     pub longest: Option<f64>,
 }
 
-impl Look {
+impl ObservationSettings {
     /// Derives the settings from a scene: its first displacement; rows a twentieth of the fastest mode's period
     /// apart, rounded down to a 1, 2 or 5; windows of 50 periods of the slowest mode at rest in sliding, rounded up;
     /// 60 windows after the last edge of a signal. A scene without modes is observed as its experiment says.
@@ -65,8 +65,8 @@ impl Look {
     /// # Errors
     /// Returns an error if there is no such output, a window has fewer than 64 rows or five periods, or the last edge
     /// of a signal is more than 1000 windows away.
-    pub fn of(scene: &Scene, wish: &Wish<'_>) -> Result<Self, Error> {
-        let of = match wish.of {
+    pub fn of(scene: &Scene, request: &ObservationRequest<'_>) -> Result<Self, Error> {
+        let of = match request.of {
             Some(name) => output(scene, name)?.name,
             None => scene.dof_names().into_iter().next().ok_or_else(|| {
                 Error::scene(format!("{} has no degree of freedom to observe", scene.name))
@@ -74,13 +74,13 @@ impl Look {
         };
         let frequencies = frequencies(scene);
         let needed = frequencies.map(|[_, fastest]| round_down(1.0 / (ROWS_A_PERIOD * fastest)));
-        let interval = match (wish.interval, needed) {
+        let interval = match (request.interval, needed) {
             (Some(wished), Some(needed)) => wished / (wished / needed * (1.0 - 1e-9)).ceil(),
             (Some(wished), None) => wished,
             (None, Some(needed)) => needed,
             (None, None) => scene.experiment.output_interval,
         };
-        let wanted = wish.window.unwrap_or_else(|| match frequencies {
+        let wanted = request.window.unwrap_or_else(|| match frequencies {
             Some([slowest, _]) => round_up(PERIODS / slowest).min(MOST_ROWS * interval),
             None => scene.experiment.stop_time,
         });
@@ -116,7 +116,7 @@ impl Look {
         }
         let edge = last_edge(scene);
         let waits = (edge / window).ceil();
-        let windows = match wish.longest {
+        let windows = match request.longest {
             Some(longest) => (longest / window).round().max(1.0),
             None if waits <= MOST_WAITED => waits + LONGEST,
             None => {
@@ -135,10 +135,10 @@ impl Look {
     ///
     /// # Errors
     /// Returns an error in the same cases as [`of`](Self::of).
-    pub fn paced(scene: &mut Scene, wish: &Wish<'_>) -> Result<Self, Error> {
-        let look = Self::of(scene, wish)?;
-        pace(scene, &look);
-        Ok(look)
+    pub fn paced(scene: &mut Scene, request: &ObservationRequest<'_>) -> Result<Self, Error> {
+        let observation = Self::of(scene, request)?;
+        pace(scene, &observation);
+        Ok(observation)
     }
 
     /// Rows in a window.
@@ -160,17 +160,17 @@ impl Look {
 /// which it is observed.
 ///
 /// A study over a parameter calls it for each value: other stiffnesses and masses have other frequencies.
-pub type Prepare<'a> = &'a (dyn Fn(&mut Scene) -> Result<Look, Error> + Sync);
+pub type Prepare<'a> = &'a (dyn Fn(&mut Scene) -> Result<ObservationSettings, Error> + Sync);
 
 /// Gives a scene the method and step that studies take unless told otherwise: exact motion from row to row, which is
 /// the quickest way to where a motion ends, and the truest. A step holds friction that a signal drives, so such signals
 /// make steps shorter. What exact motion does not take, as Stribeck's law, keeps its own.
-pub fn pace(scene: &mut Scene, look: &Look) {
+pub fn pace(scene: &mut Scene, observation: &ObservationSettings) {
     if EventDriven::new(&LumpedModel::from(&*scene)).is_ok() {
         let held = scene.signals.iter().filter(|signal| signal.drives_friction());
         let longest = held.map(|signal| span(&signal.shape) / STEPS_A_SIGNAL);
-        let longest = longest.fold(look.interval, f64::min);
-        let step = look.interval / (look.interval / longest * (1.0 - 1e-9)).ceil();
+        let longest = longest.fold(observation.interval, f64::min);
+        let step = observation.interval / (observation.interval / longest * (1.0 - 1e-9)).ceil();
         (scene.method, scene.step) = (Method::EventDriven, step);
         scene.selection = Selection::Given;
     }
@@ -224,13 +224,26 @@ mod tests {
     fn set_1_is_looked_at_for_two_seconds_at_a_time() {
         // Its slowest mode in sliding has 43.52 Hz (Table 2), its fastest in any state some 232 Hz.
         let scene = builtin("set1").unwrap().scene();
-        let look = Look::of(&scene, &Wish::default()).unwrap();
-        assert_eq!((look.interval, look.window, look.longest), (2e-4, 2.0, 120.0));
-        assert_eq!((look.rows(), look.windows(), &*look.of), (10_000, 60, "module[1].x1"));
-        let wrong =
-            Look::of(&scene, &Wish { of: Some("modul[1].x1"), ..Wish::default() }).unwrap_err();
+        let observation = ObservationSettings::of(&scene, &ObservationRequest::default()).unwrap();
+        assert_eq!(
+            (observation.interval, observation.window, observation.longest),
+            (2e-4, 2.0, 120.0)
+        );
+        assert_eq!(
+            (observation.rows(), observation.windows(), &*observation.of),
+            (10_000, 60, "module[1].x1")
+        );
+        let wrong = ObservationSettings::of(
+            &scene,
+            &ObservationRequest { of: Some("modul[1].x1"), ..ObservationRequest::default() },
+        )
+        .unwrap_err();
         assert!(wrong.is_argument() && wrong.to_string().contains("did you mean"), "{wrong}");
-        let short = Look::of(&scene, &Wish { window: Some(1e-3), ..Wish::default() }).unwrap_err();
+        let short = ObservationSettings::of(
+            &scene,
+            &ObservationRequest { window: Some(1e-3), ..ObservationRequest::default() },
+        )
+        .unwrap_err();
         assert!(short.is_argument(), "{short}");
     }
 }

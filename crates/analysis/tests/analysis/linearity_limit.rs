@@ -2,11 +2,11 @@
 
 use amontons::assembly;
 use amontons::contact::ContactState;
-use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement};
+use amontons::integrator::{Inputs, Integrator, Motion, RingForwardIncrement};
 use amontons::model::LumpedModel;
 use amontons::scene::{builtin, parse};
 use amontons_analysis::stability::candidates::uniform_sliding;
-use amontons_analysis::stability::{Departure, departure, modes};
+use amontons_analysis::stability::{LinearityLimit, linearity_limit, modes};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -21,7 +21,7 @@ struct Case {
 
 /// The departure found, and the states other than sliding that contacts are in over one cycle of a
 /// mode which starts at `part` of its amplitude.
-fn states_met(case: Case, part: f64) -> (Departure, Vec<ContactState>) {
+fn states_met(case: Case, part: f64) -> (LinearityLimit, Vec<ContactState>) {
     let Case { mu, velocity, mode, damped } = case;
     let mut scene = builtin("set1").unwrap().scene();
     (scene.friction_coefficient, scene.slider.velocity) = (mu, velocity);
@@ -31,13 +31,13 @@ fn states_met(case: Case, part: f64) -> (Departure, Vec<ContactState>) {
     let sliding = uniform_sliding(&model).unwrap();
     let linear = model.linear().unwrap();
     let mode = &modes(linear, &sliding).unwrap().oscillating[mode];
-    let found = departure(linear, &equilibrium, mode).unwrap();
+    let found = linearity_limit(linear, &equilibrium, mode).unwrap();
     let start = |factor: Complex<f64>| -> Vec<f64> {
         mode.shape.iter().map(|x| part * found.amplitude * (x * factor).re).collect()
     };
     let mut motion =
         Motion::new(start(Complex::new(1.0, 0.0)), start(mode.eigenvalue), sliding.clone());
-    let mut drive = Drive::uniform(vec![0.0; 8], 2, velocity, mu);
+    let mut drive = Inputs::uniform(vec![0.0; 8], 2, velocity, mu);
     for (i, contact) in model.contacts.iter().enumerate() {
         motion.displacement[4 * i + 3] = 0.0;
         motion.velocity[4 * i + 3] = 0.0;
@@ -76,7 +76,7 @@ fn a_mode_that_does_not_reach_a_contact_makes_it_leave_nothing() {
     assert_eq!(found.len(), 2);
     for mode in &found {
         let alone = (mode.frequency_hz() - (8e4_f64 / 0.5).sqrt() / TAU).abs() < 1e-6;
-        let leaves = departure(linear, &equilibrium, mode).is_some();
+        let leaves = linearity_limit(linear, &equilibrium, mode).is_some();
         assert_eq!(leaves, !alone, "{} Hz", mode.frequency_hz());
     }
 }

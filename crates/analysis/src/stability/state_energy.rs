@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 /// Size of the motion whose contacts are in a state. It ranks states and is no threshold: friction may feed a smaller
 /// motion until it is as large.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
+pub struct StateEnergy {
     /// The energy of the deviation from uniform sliding, J.
     pub energy: f64,
     /// The velocity, m/s, with which the heaviest degree of freedom has this energy.
@@ -29,7 +29,7 @@ pub struct Reach {
 ///
 /// # Errors
 /// Returns an error if there is no equilibrium in uniform sliding.
-pub fn reach(here: &Linearised, states: &[ContactState]) -> Result<Option<Reach>, Error> {
+pub fn reach(here: &Linearised, states: &[ContactState]) -> Result<Option<StateEnergy>, Error> {
     let (model, sliding) = (here.model(), here.uniform_sliding()?);
     let equilibrium = here.equilibrium()?;
     let turns = |(state, usual): (&ContactState, &ContactState)| {
@@ -47,7 +47,7 @@ pub fn reach(here: &Linearised, states: &[ContactState]) -> Result<Option<Reach>
         energy = energy.max(opens.unwrap_or(0.0));
     }
     let heaviest = mass.diagonal().max();
-    Ok(Some(Reach { energy, push: (2.0 * energy / heaviest).sqrt() }))
+    Ok(Some(StateEnergy { energy, push: (2.0 * energy / heaviest).sqrt() }))
 }
 
 struct Problem<'a> {

@@ -5,14 +5,14 @@ use super::{Scene, Spring};
 use crate::contact::Law;
 
 /// Explanation why a scene does not have a variable.
-pub struct Lack {
+pub struct MissingFeature {
     /// The feature that the scene does not use.
     pub reason: String,
     /// The change to the scene that adds it.
     pub help: String,
 }
 
-impl Lack {
+impl MissingFeature {
     fn new(reason: impl Into<String>, help: impl Into<String>) -> Option<Self> {
         Some(Self { reason: reason.into(), help: help.into() })
     }
@@ -20,21 +20,21 @@ impl Lack {
 
 impl Scene {
     /// Explains why the scene has no variable of this name; `None` unless a missing value or effect is the reason.
-    pub fn lack(&self, name: &str) -> Option<Lack> {
+    pub fn explain_missing(&self, name: &str) -> Option<MissingFeature> {
         let effects = &self.effects;
         match name {
-            "damping.alpha" if !effects.mass_damping => Lack::new(
+            "damping.alpha" if !effects.mass_damping => MissingFeature::new(
                 "the scene has no mass-proportional damping",
                 "write `alpha = 0.0` into its [damping] to add it",
             ),
-            "damping.beta" if !effects.stiffness_damping => Lack::new(
+            "damping.beta" if !effects.stiffness_damping => MissingFeature::new(
                 "the scene has no stiffness-proportional damping",
                 "write `beta = 0.0` into its [damping] to add it",
             ),
             "friction.coefficient" | "friction.static" | "friction.stribeck_velocity"
                 if self.friction_law == Law::Frictionless =>
             {
-                Lack::new(
+                MissingFeature::new(
                     "the scene has no friction",
                     "write `coefficient = …` in place of `law = \"none\"` into its [friction]",
                 )
@@ -47,45 +47,51 @@ impl Scene {
             {
                 self.own("static_friction")
             }
-            "friction.static" if self.static_friction.is_none() => Lack::new(
+            "friction.static" if self.static_friction.is_none() => MissingFeature::new(
                 "the scene has no static friction",
                 "write `static = …` into its [friction] to add it",
             ),
-            "friction.stribeck_velocity" if self.stribeck_velocity.is_none() => Lack::new(
-                "the friction of the scene does not depend on the slip velocity",
-                "write `stribeck_velocity = …` beside `static` into the [friction] of the scene",
-            ),
-            _ if self.roles.of(Group::Forces).is_none() && self.is_force(name) => Lack::new(
-                "the scene has no external forces",
-                "write `forces = \"input\"` into its [inputs]",
-            ),
-            _ => self.lack_of_part(name),
+            "friction.stribeck_velocity" if self.stribeck_velocity.is_none() => {
+                MissingFeature::new(
+                    "the friction of the scene does not depend on the slip velocity",
+                    "write `stribeck_velocity = …` beside `static` into the [friction] of the scene",
+                )
+            }
+            _ if self.roles.of(Group::Forces).is_none() && self.is_force(name) => {
+                MissingFeature::new(
+                    "the scene has no external forces",
+                    "write `forces = \"input\"` into its [inputs]",
+                )
+            }
+            _ => self.explain_missing_part(name),
         }
     }
 
     /// Explains why the scene has no input of this name; `None` unless it could have one.
-    pub fn lack_of_input(&self, name: &str) -> Option<Lack> {
+    pub fn explain_missing_input(&self, name: &str) -> Option<MissingFeature> {
         let mut given = self.may_be_driven();
         match given.find(|(_, known)| known == name) {
-            Some((group, _)) if self.roles.of(group) == Some(Role::Parameter) => Lack::new(
-                "it is a parameter in this scene",
-                format!("write `{} = \"input\"` into its [inputs]", group.key()),
-            ),
-            _ => self.lack(name),
+            Some((group, _)) if self.roles.of(group) == Some(Role::Parameter) => {
+                MissingFeature::new(
+                    "it is a parameter in this scene",
+                    format!("write `{} = \"input\"` into its [inputs]", group.key()),
+                )
+            }
+            _ => self.explain_missing(name),
         }
     }
 
     /// Explains the absence of a common value that no contact uses.
-    fn own(&self, key: &str) -> Option<Lack> {
+    fn own(&self, key: &str) -> Option<MissingFeature> {
         match self.network().and_then(|network| network.contacts.first()) {
-            Some(first) => Lack::new(
+            Some(first) => MissingFeature::new(
                 "every contact has its own value",
                 format!(
                     "use the value of one contact, such as contact.{}.{key}, with --set, --parameter, --x or --sweep",
                     first.name
                 ),
             ),
-            None => Lack::new("the scene has no contact", "add a [[contact]] to it"),
+            None => MissingFeature::new("the scene has no contact", "add a [[contact]] to it"),
         }
     }
 
@@ -94,7 +100,7 @@ impl Scene {
     }
 
     /// Explains the absence of a module's links or preload, or of a spring's preload.
-    fn lack_of_part(&self, name: &str) -> Option<Lack> {
+    fn explain_missing_part(&self, name: &str) -> Option<MissingFeature> {
         let (part, key) = name.rsplit_once('.')?;
         if let Some(network) = self.network() {
             let has_none = |spring: &&Spring| {
@@ -102,19 +108,24 @@ impl Scene {
             };
             let spring = network.springs.iter().find(has_none).filter(|_| key == "preload")?;
             let reason = format!("spring {} has no preload", spring.name);
-            return Lack::new(reason, "write `preload = 0.0` into its [[spring]] to add one");
+            return MissingFeature::new(
+                reason,
+                "write `preload = 0.0` into its [[spring]] to add one",
+            );
         }
         let module = part.strip_prefix("module[")?.strip_suffix(']')?.parse().ok()?;
         if !(1..=self.modules().len()).contains(&module) {
             return None;
         }
         match key {
-            "k1" | "k2" if !self.effects.links => {
-                Lack::new("no links join the modules", "write `k1` and `k2` into its [ring]")
-            }
-            "preload" if !self.effects.preload => {
-                Lack::new("the ring has no preload", "write `preload = 0.0` into its [ring]")
-            }
+            "k1" | "k2" if !self.effects.links => MissingFeature::new(
+                "no links join the modules",
+                "write `k1` and `k2` into its [ring]",
+            ),
+            "preload" if !self.effects.preload => MissingFeature::new(
+                "the ring has no preload",
+                "write `preload = 0.0` into its [ring]",
+            ),
             _ => None,
         }
     }
