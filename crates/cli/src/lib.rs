@@ -1,5 +1,6 @@
 //! Code that the programs `amontons` and `amontons-stability` and the examples share.
 
+pub mod arguments;
 pub mod charts;
 pub mod exit;
 pub mod interrupt;

@@ -2,7 +2,8 @@
 
 use amontons::Error;
 use amontons_analysis::sweep::range::{self, assignment, ends};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use amontons_cli::arguments::{Format, Values, named_grid, named_steps, steps};
+use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Complex eigenvalues of a scene in its contact states: unstable modes and their critical friction coefficients
@@ -52,13 +53,6 @@ pub struct SceneArguments {
     /// Instant at which the signals of the scene are evaluated, s; the eigenvalues hold for this instant [default: 0]
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub at: Option<f64>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Format {
-    Table,
-    Csv,
-    Json,
 }
 
 /// One friction coefficient, one contact state.
@@ -148,23 +142,7 @@ pub struct Map {
     pub plot: Option<PathBuf>,
 }
 
-/// Values of a parameter, ascending.
-#[derive(Clone, Debug)]
-pub struct Values(pub Vec<f64>);
-
 fn time(text: &str) -> Result<f64, String> {
     let time = range::number(text)?;
     if time >= 0.0 { Ok(time) } else { Err("must not be negative".into()) }
-}
-
-fn steps(text: &str) -> Result<Values, String> {
-    range::steps(text).map(Values)
-}
-
-fn named_steps(text: &str) -> Result<(String, Values), String> {
-    range::named(text, steps)
-}
-
-fn named_grid(text: &str) -> Result<(String, Values), String> {
-    range::named(text, |values| range::grid(values).map(Values))
 }

@@ -1,6 +1,6 @@
 //! `amontons-stability locus`.
 
-use crate::arguments::{Locus as StabilityArguments, Values};
+use crate::arguments::Locus as LocusArguments;
 use crate::labels::{LOCATED, at_frequency, significant, turn};
 use crate::{AnalysedScene, Failure, check_effect, configured, state, with};
 use amontons::Error;
@@ -13,6 +13,7 @@ use amontons_analysis::stability::candidates::equilibrium_ranges;
 use amontons_analysis::stability::locus::{Locus, locus};
 use amontons_analysis::sweep::range::MAX_VALUES;
 use amontons_analysis::sweep::{FRICTION, Possible, axis};
+use amontons_cli::arguments::Values;
 use amontons_cli::progress::Progress;
 use amontons_pictures::picture::{self, Chart, locus_chart};
 use std::f64::consts::TAU;
@@ -44,7 +45,7 @@ struct Member {
 /// Limit of the number of loci in one picture.
 const MAX_DRAWN: usize = 24;
 
-pub fn run(arguments: &StabilityArguments, out: &mut dyn Write) -> Result<(), Failure> {
+pub fn run(arguments: &LocusArguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let (name, Values(values), other) = match (&arguments.friction, &arguments.parameter) {
         (Some(friction), parameter) => (FRICTION, friction, parameter.as_ref()),

@@ -1,6 +1,6 @@
 //! `amontons-stability map`.
 
-use crate::arguments::{Map as StabilityArguments, Values};
+use crate::arguments::Map as MapArguments;
 use crate::{Failure, check_effect, configured};
 use amontons::model::Contact;
 use amontons_analysis::assign::assign;
@@ -8,6 +8,7 @@ use amontons_analysis::stability::map::{Verdict, map};
 use amontons_analysis::stability::{Linearised, MAX_CONTACTS};
 use amontons_analysis::sweep::axis;
 use amontons_analysis::sweep::range::MAX_VALUES;
+use amontons_cli::arguments::Values;
 use amontons_cli::progress::Progress;
 use amontons_pictures::picture::{self, Class, Map};
 use std::io::Write;
@@ -15,7 +16,7 @@ use std::io::Write;
 /// Indices in the palette of the colours for the verdicts, in their order.
 const COLOURS: [usize; 6] = [5, 4, 3, 1, 6, 7];
 
-pub fn run(arguments: &StabilityArguments, out: &mut dyn Write) -> Result<(), Failure> {
+pub fn run(arguments: &MapArguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let given = configured(&arguments.common, None, &[&*arguments.x.0, &*arguments.y.0])?;
     let scene = &given.scene;

@@ -1,6 +1,6 @@
 //! `amontons-stability modes`.
 
-use crate::arguments::Modes as StabilityArguments;
+use crate::arguments::Modes as ModesArguments;
 use crate::labels::significant;
 use crate::{Failure, configured, friction, state};
 use amontons::contact::JoinedStates;
@@ -12,7 +12,7 @@ use std::io::{self, Write};
 /// Names of the degrees of freedom, in their order in a module.
 const DOFS: [&str; 4] = ["x1", "x2", "x3", "x4"];
 
-pub fn run(arguments: &StabilityArguments, out: &mut dyn Write) -> Result<(), Failure> {
+pub fn run(arguments: &ModesArguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let given = configured(&arguments.common, arguments.point.friction, &[])?;
     let scene = &given.scene;

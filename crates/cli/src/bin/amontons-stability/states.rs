@@ -1,6 +1,6 @@
 //! `amontons-stability states`.
 
-use crate::arguments::{Format, States};
+use crate::arguments::States;
 use crate::{AnalysedScene, Failure, configured, friction, state};
 use amontons::Error;
 use amontons::contact::{ContactState, JoinedStates};
@@ -10,6 +10,7 @@ use amontons::stability::Spectrum;
 use amontons_analysis::stability::{
     Linearised, LinearityLimit, MAX_CONTACTS, StateClasses, linearity_limit, modes,
 };
+use amontons_cli::arguments::Format;
 use amontons_cli::progress::Progress;
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;

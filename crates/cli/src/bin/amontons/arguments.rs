@@ -4,10 +4,11 @@ use crate::export::platforms;
 use crate::study::arguments::Study;
 use amontons::Error;
 use amontons::scene::{Method, Preset, Scene, Selection};
-use amontons_analysis::sweep::range::{self, assignment};
+use amontons_analysis::sweep::range::assignment;
+use amontons_cli::arguments::{Format, Values, named_grid};
 use amontons_export::package::Library;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Friction contact dynamics as FMUs: will it squeal?
@@ -99,7 +100,7 @@ pub struct Simulate {
     /// the CSV then has one row per value: amplitude of each displacement (m, half of peak to peak), frequency of the
     /// displacement that moves most (Hz), and share of time in each contact state. For the time history of one value
     /// use --set NAME=VALUE
-    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values, conflicts_with = "input")]
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid, conflicts_with = "input")]
     pub sweep: Option<(String, Values)>,
     /// Displacement whose amplitude and frequency a sweep evaluates [default: all displacements]
     #[arg(long, value_name = "NAME", requires = "sweep")]
@@ -138,13 +139,6 @@ pub struct Accuracy {
     /// Draw the error over the computing time
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    Table,
-    Csv,
-    Json,
 }
 
 /// In place of the scene's `[integrator]`.
@@ -235,16 +229,4 @@ pub fn positive(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("must be a number above zero, in seconds".to_owned()),
     }
-}
-
-/// Values of a parameter, ascending.
-#[derive(Clone, Debug)]
-pub struct Values(pub Vec<f64>);
-
-pub fn values(text: &str) -> Result<Values, String> {
-    range::grid(text).map(Values)
-}
-
-pub fn named_values(text: &str) -> Result<(String, Values), String> {
-    range::named(text, values)
 }

@@ -3,13 +3,14 @@
 mod chart;
 mod output;
 
-use crate::arguments::{Accuracy, Format};
+use crate::arguments::Accuracy;
 use crate::reference::{self, REFERENCE_SHARE};
 use amontons::scene::Method;
 use amontons::simulation::Simulation;
 use amontons_analysis::accuracy::{ConvergenceStudy, Row, StepCandidate, assign, dof_named, short};
 use amontons_analysis::sweep::range::check_once;
 use amontons_analysis::watch::Watch;
+use amontons_cli::arguments::Format;
 use amontons_cli::interrupt::{self, Interrupted, stopped};
 use amontons_cli::progress::Progress;
 use amontons_export::scene;

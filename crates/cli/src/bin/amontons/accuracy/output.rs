@@ -1,7 +1,8 @@
 //! The table of `amontons accuracy`, as text, CSV and JSON.
 
 use super::{AccuracyReport, Timed};
-use crate::arguments::Format;
+use amontons_cli::arguments::Format;
+
 use amontons::scene::Method;
 use amontons_analysis::accuracy::{COLUMNS, Errors, LEGEND};
 use serde_json::{Map, Value, json};

@@ -4,7 +4,8 @@ use super::arguments::{ObservationOptions, StudyArguments};
 use super::attractor::{self, number};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared_with, watched};
-use crate::arguments::{Values, named_values};
+use amontons_cli::arguments::{Values, named_grid};
+
 use amontons::scene::Scene;
 use amontons_analysis::study::basin::{
     Axis, Basin as Found, Cell, Coverage, SHORT_WINDOWS, basin, check_points,
@@ -25,10 +26,10 @@ pub struct Basin {
     options: ObservationOptions,
     /// Initial value on the horizontal axis, such as module[1].v2, from A to B in steps of STEP or as N values;
     /// initial values on no axis are those of the scene or of --set
-    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
     x: (String, Values),
     /// Initial value on the vertical axis, from A to B in steps of STEP or as N values
-    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
     y: (String, Values),
     /// Run every point; otherwise the study runs every fourth point along both axes and the points near basin
     /// boundaries, and fills in the others

@@ -12,7 +12,8 @@ use amontons_analysis::study::{
     Bistable, Continuation, Jump, Kind, LongTermMotion, ObservationSettings, Plan, Point, Push,
     RestAndMotion, SweepDirection, ThirdMotion, continuation,
 };
-use amontons_analysis::sweep::{FRICTION, Possible, range};
+use amontons_analysis::sweep::{FRICTION, Possible};
+use amontons_cli::arguments::{Values, steps};
 use amontons_cli::charts::continuation::{chart, describe, turn};
 use amontons_cli::progress::Progress;
 use amontons_cli::say;
@@ -28,19 +29,12 @@ pub struct ContinuationArguments {
     pub options: ObservationOptions,
     /// Values of the friction coefficient from A to B, in steps of STEP or as N values, followed upwards from A and
     /// downwards from B
-    #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = values, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = steps, allow_hyphen_values = true)]
     pub friction: Values,
     /// Distance in µ to which the bounds of a jump are narrowed; a motion is followed only if it survives a change of
     /// µ of this size [default: a hundredth of the step]
     #[arg(long, value_name = "µ", value_parser = resolution, allow_hyphen_values = true)]
     pub resolution: Option<f64>,
-}
-
-#[derive(Clone)]
-pub struct Values(Vec<f64>);
-
-fn values(text: &str) -> Result<Values, String> {
-    range::steps(text).map(Values)
 }
 
 fn resolution(text: &str) -> Result<f64, String> {

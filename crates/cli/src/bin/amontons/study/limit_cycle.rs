@@ -3,7 +3,8 @@
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, quoted};
 use super::{heading, interrupted, over, prepared, prepared_again, watched};
-use crate::arguments::Values;
+use amontons_cli::arguments::Values;
+
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;

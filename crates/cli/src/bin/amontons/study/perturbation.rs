@@ -4,7 +4,8 @@ use super::arguments::{ObservationOptions, StudyArguments};
 use super::attractor::{self, number};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared, watched};
-use crate::arguments::{Values, values};
+use amontons_cli::arguments::{Values, grid};
+
 use amontons::scene::Scene;
 use amontons_analysis::study::perturbation::{
     Direction, Perturbations, Run, Threshold, perturbation,
@@ -28,7 +29,7 @@ pub struct Perturbation {
     #[arg(long, value_name = "NAME")]
     direction: String,
     /// Values of this initial value from A to B, in steps of STEP or as N values
-    #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = values, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = grid, allow_hyphen_values = true)]
     amplitude: Values,
     /// Relative accuracy of the thresholds
     #[arg(long, value_name = "PART", default_value_t = 1e-3, allow_hyphen_values = true)]
