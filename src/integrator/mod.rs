@@ -250,12 +250,16 @@ pub enum StepFailure {
         /// Largest number of power series in a step.
         most: u64,
     },
-    /// Contacts changed their states more often than the event-driven method follows, at one instant or within one
-    /// step; this contact (from 0) was among the last. A shorter
-    /// step helps against the second.
+    /// Contacts changed their states at one instant more often than the event-driven method follows; this contact
+    /// (from 0) was among the last.
     TooManyEvents {
         /// The contact, from 0.
         contact: usize,
+    },
+    /// Contacts changed their states within one step at more instants than the event-driven method follows.
+    TooManyInstants {
+        /// Largest number of instants in a step.
+        most: u64,
     },
     /// Friction wedges this contact (from 0): no force satisfies its law (Painlevé).
     Wedged {

@@ -43,6 +43,10 @@ impl Simulation {
             StepFailure::TooManyEvents { contact } => {
                 format!("{} changed its state too many times at one instant", contact_name(contact))
             }
+            StepFailure::TooManyInstants { most } => format!(
+                "contacts changed their states at more than {most} instants of one internal step; lower \
+                 integrator.step"
+            ),
             StepFailure::TooManySeries { most } => format!(
                 "one internal step took more than {most} power series; lower integrator.step, or look for \
                  a stiffness that is too large or a mass that is too small"

@@ -202,6 +202,23 @@ fn ramps_of_force_and_slider_are_followed_exactly() {
     }
 }
 
+/// Stick and slip with 1e5 events in one step of 0.1 s. The error spoke of changes of state at one instant, for which no
+/// shorter step helps.
+#[test]
+fn a_step_with_too_many_events_says_that_a_shorter_step_helps() {
+    let text = "slider = { velocity = 0.1, angle = 0.0 }\nfriction = { coefficient = 0.4, static = 0.6 }\n\
+        integrator = { method = \"event-driven\", step = 0.1 }\n\
+        [[mass]]\nname = \"block\"\nmass = 1.0\nforce = [0.0, -10.0]\n\
+        [[spring]]\nname = \"hold\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\nstiffness = 1e12\n\
+        [[contact]]\nname = \"belt\"\nmass = \"block\"\n\
+        [[initial]]\nmass = \"block\"\nvx = 0.1";
+    let mut scene = parse("belt", text).unwrap();
+    let error = Simulation::new(scene.clone(), 0.0).unwrap().advance_to(0.1).unwrap_err();
+    assert!(error.is_step() && error.to_string().contains("lower integrator.step"), "{error}");
+    scene.step = 1e-3;
+    Simulation::new(scene, 0.0).unwrap().advance_to(0.1).unwrap();
+}
+
 #[test]
 fn numbers_that_leave_their_range_end_the_run_with_the_reason() {
     // A force of 1e308 N on half a kilogram; the series once was shortened without an end.

@@ -377,9 +377,12 @@ impl<W: MotionObserver> EventDriven<W> {
                 events += 1;
                 standstill += 1;
                 let contacts = self.events.len() as u64;
-                if events > MAX_EVENTS * contacts || standstill > MAX_STANDSTILL * contacts {
+                if standstill > MAX_STANDSTILL * contacts {
                     let contact = self.events.iter().position(Option::is_some).unwrap_or(0);
                     return Err(StepFailure::TooManyEvents { contact });
+                }
+                if events > MAX_EVENTS * contacts {
+                    return Err(StepFailure::TooManyInstants { most: MAX_EVENTS * contacts });
                 }
             }
         }
