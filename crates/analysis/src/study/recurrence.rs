@@ -7,8 +7,9 @@
 //! max(|Δx| / X, |Δẋ| / V)
 //! ```
 //!
-//! with Euclidean norms over the degrees of freedom, and the largest half-range X of a displacement and V of a
-//! velocity over two periods of the strongest line.
+//! with Euclidean norms over the degrees of freedom, of which X and V are those of the half-ranges of all displacements
+//! and of all velocities over two periods of the strongest line. So equal oscillators that move alike are as far apart
+//! as one of them, however many they are.
 //!
 //! 1. The search begins with a state z_0 in which the motion has 0.8 of its largest speed.
 //! 2. Candidates T are the multiples of the drive's period; then, if none of these closes, each time at which the
@@ -31,10 +32,9 @@ use std::f64::consts::TAU;
 const MOST_PERIODS: f64 = 64.0;
 /// The most windows over which a period is looked for: the strongest line may be that of a slow beat.
 const MOST_WINDOWS: f64 = 100.0;
-/// Rows pass a state that comes back exactly at this distance or less, in parts of the motion's size. In half a row,
-/// at least 20 of which are in a period of the fastest mode, one degree of freedom goes π/20 = 0.16 of its size. If n
-/// of them move alike it is √n times as much. So returns of more than six may pass unseen between two rows, and the
-/// first multiple of the period that lies near a row is found in place of the period.
+/// Rows pass a state that comes back exactly at this distance or less, in parts of the motion's size: in half a row,
+/// at least 20 of which are in a period of the fastest mode, each degree of freedom moves by at most π/20 = 0.16 of its
+/// size, and so do all of them together.
 const NEAR: f64 = 0.4;
 /// A state that comes back to within this part of the motion's size may belong to a periodic motion.
 const COMES_BACK: f64 = 2e-3;
@@ -81,7 +81,7 @@ pub struct Closure {
 /// Displacements and velocities of a motion, by the sizes of which distances between states are measured.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
-    /// The largest half-range of a displacement, m, and of a velocity, m/s.
+    /// Euclidean norm of the half-ranges of all displacements, m, and of all velocities, m/s.
     displacement: f64,
     pub(super) velocity: f64,
 }
@@ -518,7 +518,7 @@ pub(super) fn begin_fast(
         simulation.advance_to(start + row * interval)?;
     }
     let half = |ranges: &[[f64; 2]]| {
-        ranges.iter().fold(0.0, |most, [low, high]| f64::max(most, 0.5 * (high - low)))
+        ranges.iter().fold(0.0, |sum, [low, high]| sum + 0.25 * (high - low) * (high - low)).sqrt()
     };
     let (displacements, velocities) = ranges.split_at(ranges.len() / 2);
     let scale = Scale { displacement: half(displacements), velocity: half(velocities) };

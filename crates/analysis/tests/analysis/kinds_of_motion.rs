@@ -59,8 +59,12 @@ impl Block {
 
 /// The end of a scene's motion, observed through windows of `window` seconds or of the scene's default length.
 fn ending(scene: &Scene, window: Option<f64>) -> LongTermMotion {
-    let request = ObservationRequest { window, ..ObservationRequest::default() };
-    let prepare = |scene: &mut Scene| ObservationSettings::paced(scene, &request);
+    observed(scene, &ObservationRequest { window, ..ObservationRequest::default() })
+}
+
+/// The end of a scene's motion, observed with these settings.
+fn observed(scene: &Scene, request: &ObservationRequest<'_>) -> LongTermMotion {
+    let prepare = |scene: &mut Scene| ObservationSettings::paced(scene, request);
     let question = Question {
         name: "slider.velocity".to_owned(),
         values: vec![scene.slider.velocity],
@@ -106,6 +110,37 @@ fn two_sines_repeat_after_their_common_period_whatever_the_window() {
     // A window that holds a third of the beat may leave the kind open.
     let short = ending(&block.scene(), Some(1.1));
     assert!(matches!(short.kind, Kind::Periodic | Kind::Unsettled | Kind::Undecided), "{short:?}");
+}
+
+/// Twelve equal oscillators that nothing joins swing in step with a period of 20.5 ms, which lies between two rows of
+/// 1 ms. The distance between states grew with the square root of their number, so that rows on either side of the
+/// period were too far away for a return, and the period was said to be twice as long.
+#[test]
+fn equal_oscillators_in_step_have_the_period_of_one_of_them() {
+    let period: f64 = 20.5e-3;
+    let stiffness = (TAU / period).powi(2);
+    // The first one lies on a belt without friction.
+    let oscillator = |i: usize| {
+        let support = if i == 0 { "force = [0.0, -10.0]" } else { "locked = [\"y\"]" };
+        format!(
+            "[[mass]]\nname = \"m{i}\"\nmass = 1.0\n{support}\n\
+             [[spring]]\nname = \"k{i}\"\nbetween = [\"m{i}\", \"ground\"]\ndirection = \"x\"\n\
+             stiffness = {stiffness:?}\n[[initial]]\nmass = \"m{i}\"\nvx = 1.0\n"
+        )
+    };
+    for count in [1, 12] {
+        let oscillators: String = (0..count).map(oscillator).collect();
+        let text = format!(
+            "slider = {{ velocity = 100.0, angle = 0.0 }}\nfriction = {{ coefficient = 0.0 }}\n\
+             integrator = {{ method = \"event-driven\", step = 1e-3 }}\n\
+             [[contact]]\nname = \"c\"\nmass = \"m0\"\n{oscillators}"
+        );
+        let scene = parse("oscillators", &text).unwrap();
+        let request = ObservationRequest { interval: Some(1e-3), ..ObservationRequest::default() };
+        let ending = observed(&scene, &request);
+        assert_eq!(ending.kind, Kind::Periodic, "{count}: {ending:?}");
+        assert_near(ending.period.unwrap(), period, 1e-9);
+    }
 }
 
 /// A block that sticks and slips under a sine comes back after 7, 8 or 4 of its periods, as a stroboscopic section by another
