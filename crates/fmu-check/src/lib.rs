@@ -1,4 +1,4 @@
-//! Finds the mistakes in an FMU for co-simulation by FMI 2.0, whoever made it. [`Rule::ALL`] lists the rules.
+//! Finds mistakes in FMUs for co-simulation by FMI 2.0, from any program. [`Rule::ALL`] lists the rules.
 //!
 //! ```no_run
 //! use fmu_check::{Options, Rule, check};

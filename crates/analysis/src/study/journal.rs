@@ -184,7 +184,7 @@ fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<Option<HashMap<Strin
             return Ok(None);
         }
         return Err(Error::unusable_file(format!(
-            "{} belongs to another study: {}; give another folder with -o, or --anew to drop it",
+            "{} belongs to another study: {}; choose another folder with -o, or discard its journal with --anew",
             path.display(),
             difference(known, study)
         )));
@@ -232,7 +232,7 @@ const LONGEST: usize = 60;
 
 fn damaged(path: &Path) -> Error {
     Error::unusable_file(format!(
-        "{} is damaged, or was not written by a study of this version; give another folder with -o, or --anew to drop it",
+        "{} is damaged, or was not written by a study of this version; choose another folder with -o, or discard its journal with --anew",
         path.display()
     ))
 }

@@ -36,7 +36,7 @@ pub struct Question {
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
     /// The ending of the motion, settled or not.
-    LongTermMotion(LongTermMotion),
+    Ending(LongTermMotion),
     /// The scene has no equilibrium, the step is above its critical one, or a step fails: the message of the error.
     Failure(String),
 }
@@ -46,7 +46,7 @@ impl Outcome {
     #[must_use]
     pub fn settled(&self) -> Option<&LongTermMotion> {
         match self {
-            Self::LongTermMotion(ending) if ending.kind != Kind::Unsettled => Some(ending),
+            Self::Ending(ending) if ending.kind != Kind::Unsettled => Some(ending),
             _ => None,
         }
     }
@@ -55,8 +55,8 @@ impl Outcome {
     /// is not known.
     fn moves(&self) -> Option<bool> {
         match self {
-            Self::LongTermMotion(ending) if ending.rests() => Some(false),
-            Self::LongTermMotion(ending) => {
+            Self::Ending(ending) if ending.rests() => Some(false),
+            Self::Ending(ending) => {
                 let leaves = ending.kind == Kind::Unsettled && ending.rate > 0.0 && ending.linear;
                 (ending.kind.is_cycle() || ending.kind == Kind::Unbounded || leaves).then_some(true)
             }
@@ -67,7 +67,7 @@ impl Outcome {
     /// The states that contacts take in the end, where they are known.
     fn taken(&self) -> Option<[bool; 4]> {
         match self {
-            Self::LongTermMotion(ending) if ending.kind != Kind::Unsettled || ending.rests() => {
+            Self::Ending(ending) if ending.kind != Kind::Unsettled || ending.rests() => {
                 Some(ending.taken)
             }
             _ => None,
@@ -300,7 +300,7 @@ impl Runs<'_> {
         let prepared = self.with(value)?;
         self.journal.piece(&self.key(value), || {
             Ok(match self.settled(prepared) {
-                Ok(found) => found.map(|(_, ending)| Outcome::LongTermMotion(ending)),
+                Ok(found) => found.map(|(_, ending)| Outcome::Ending(ending)),
                 Err(error) => Some(Outcome::Failure(error.to_string())),
             })
         })
@@ -348,7 +348,7 @@ impl Runs<'_> {
     /// The portrait of what the motion with a value ends in; none inside where there is no cycle.
     fn portrait(&self, value: f64, contacts: usize) -> Result<Option<Option<Portrait>>, Error> {
         let Some(outcome) = self.outcome(value)? else { return Ok(None) };
-        if !matches!(&outcome, Outcome::LongTermMotion(ending) if !ending.rests()) {
+        if !matches!(&outcome, Outcome::Ending(ending) if !ending.rests()) {
             return Ok(Some(None));
         }
         let key = format!("{}, portrait of {contacts}", self.key(value));

@@ -75,7 +75,7 @@ fn observed(scene: &Scene, request: &ObservationRequest<'_>) -> LongTermMotion {
     let found = limit_cycles(scene, &prepare, &question, &Journal::forgotten(), Watch::IDLE);
     let LimitCycles { mut outcomes, .. } = found.unwrap().unwrap();
     match outcomes.remove(0) {
-        Outcome::LongTermMotion(ending) => ending,
+        Outcome::Ending(ending) => ending,
         Outcome::Failure(why) => panic!("{why}"),
     }
 }

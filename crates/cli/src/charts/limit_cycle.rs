@@ -61,7 +61,7 @@ impl Results<'_> {
         frequency.iter_mut().for_each(|series| series.style = Style::Dots);
         let is_taken = |&state: &usize| {
             self.outcomes().any(
-                |(_, outcome)| matches!(outcome, Outcome::LongTermMotion(ending) if ending.taken[state]),
+                |(_, outcome)| matches!(outcome, Outcome::Ending(ending) if ending.taken[state]),
             )
         };
         let states = (0..4).filter(is_taken).map(|state| {
@@ -100,7 +100,7 @@ impl Results<'_> {
                 settled.push([value, f64::NAN]);
             }
             moved = moves;
-            let Outcome::LongTermMotion(ending) = outcome else { continue };
+            let Outcome::Ending(ending) = outcome else { continue };
             let point = [value, quantity(ending).unwrap_or(f64::NAN)];
             if moves.is_some() { settled.push(point) } else { left.push(point) }
         }

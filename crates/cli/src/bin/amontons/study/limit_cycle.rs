@@ -154,7 +154,7 @@ fn rows(results: &Results<'_>) -> impl Iterator<Item = Vec<String>> {
     results.outcomes().map(|(value, outcome)| {
         let mut row = vec![format!("{value:?}")];
         match outcome {
-            Outcome::LongTermMotion(ending) => {
+            Outcome::Ending(ending) => {
                 let amplitude = match ending.kind {
                     Kind::Unbounded => String::new(),
                     _ => format!("{:?}", ending.amplitude),
@@ -208,7 +208,7 @@ fn print(
     for (value, outcome) in results.outcomes() {
         let value = format!("{value:?}");
         match outcome {
-            Outcome::LongTermMotion(LongTermMotion {
+            Outcome::Ending(LongTermMotion {
                 kind,
                 amplitude,
                 frequency,
@@ -266,7 +266,7 @@ fn print(
              --parameter shows them"
         )?;
     }
-    let is_left = |outcome: &Outcome| matches!(outcome, Outcome::LongTermMotion(ending) if ending.kind == Kind::Unsettled);
+    let is_left = |outcome: &Outcome| matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled);
     let left: Vec<(f64, &ObservationSettings)> = results
         .outcomes()
         .zip(runs)
@@ -302,7 +302,7 @@ fn print_evidence(results: &Results<'_>, out: &mut dyn Write) -> std::io::Result
     let endings: Vec<(f64, &LongTermMotion)> = results
         .outcomes()
         .filter_map(|(value, outcome)| match outcome {
-            Outcome::LongTermMotion(ending) => Some((value, ending)),
+            Outcome::Ending(ending) => Some((value, ending)),
             Outcome::Failure(_) => None,
         })
         .collect();
