@@ -77,6 +77,8 @@ pub fn write(out: &Path) {
     code.push_str("#[derive(Clone, Copy, Debug, PartialEq, Eq)]\n#[allow(missing_docs)]\n");
     writeln!(code, "pub enum Quantity {{ {} }}\n", Vec::from_iter(quantities).join(", ")).unwrap();
 
+    write_patterns(&mut code, &variables.variable);
+
     code.push_str("/// All templates, in the order in which an FMU lists its variables.\n");
     code.push_str("pub static TEMPLATES: &[Template] = &[\n");
     for variable in &variables.variable {
@@ -138,6 +140,21 @@ pub fn write(out: &Path) {
     }
     code.push_str("];\n");
     fs::write(out.join("catalogue.rs"), code).expect("OUT_DIR is writable");
+}
+
+/// Patterns of the quantities that a simulation computes and of those that it is given, for matches that the compiler
+/// holds to have an arm for each.
+fn write_patterns(code: &mut String, variables: &[Variable]) {
+    let of = |is_output: bool| -> BTreeSet<String> {
+        let are = variables.iter().filter(|one| (one.causality == "output") == is_output);
+        are.map(|variable| format!("Quantity::{}", variable.quantity)).collect()
+    };
+    let (computed, given) = (of(true), of(false));
+    assert!(computed.is_disjoint(&given), "a quantity is either computed or given");
+    for (name, quantities) in [("computed", computed), ("given", given)] {
+        let pattern = Vec::from_iter(quantities).join(" | ");
+        writeln!(code, "macro_rules! {name} {{ () => {{ {pattern} }} }}\n").unwrap();
+    }
 }
 
 /// Name of the Rust variant for a word of the catalogue.

@@ -4,6 +4,9 @@ use crate::scene::{Group, Role, Scene, Selection, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
+/// Patterns for a `match` on a [`Quantity`]: all that a simulation computes, and all that it is given.
+pub(super) use {computed, given};
+
 /// Text of the catalogue, for fingerprints.
 pub const CATALOGUE_TEXT: [&str; 2] = [
     include_str!("../../modelDescription/variables.toml"),
@@ -151,16 +154,29 @@ impl Variable {
     /// `true` if the variable, changed during the run, can make a step impossible: by the critical step, or by static
     /// friction below kinetic friction.
     pub(super) fn sets_limit(&self) -> bool {
-        matches!(
-            self.template.quantity,
+        match self.template.quantity {
             Quantity::FrictionCoefficient
-                | Quantity::StaticFriction
-                | Quantity::StribeckVelocity
-                | Quantity::OwnFriction
-                | Quantity::OwnStaticFriction
-                | Quantity::DampingAlpha
-                | Quantity::DampingBeta
-        )
+            | Quantity::StaticFriction
+            | Quantity::StribeckVelocity
+            | Quantity::OwnFriction
+            | Quantity::OwnStaticFriction
+            | Quantity::DampingAlpha
+            | Quantity::DampingBeta => true,
+            // Those that are fixed do not change during the run.
+            Quantity::SliderVelocity
+            | Quantity::SliderAngle
+            | Quantity::DamperDamping
+            | Quantity::IntegratorStep
+            | Quantity::Mass
+            | Quantity::Stiffness
+            | Quantity::Preload
+            | Quantity::ExternalForce
+            | Quantity::InitialDisplacement
+            | Quantity::InitialVelocity
+            | Quantity::OwnVelocity
+            | Quantity::Strict
+            | computed!() => false,
+        }
     }
 }
 
@@ -270,7 +286,25 @@ fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
         Quantity::GrowthRate | Quantity::ModeFrequency | Quantity::ModeCount => {
             return scene.effects.stability;
         }
-        _ => {}
+        // These depend on the structure, below, or are in every scene.
+        Quantity::ExternalForce
+        | Quantity::Mass
+        | Quantity::Stiffness
+        | Quantity::Preload
+        | Quantity::DamperDamping
+        | Quantity::OwnVelocity
+        | Quantity::OwnFriction
+        | Quantity::OwnStaticFriction
+        | Quantity::InitialDisplacement
+        | Quantity::InitialVelocity
+        | Quantity::Displacement
+        | Quantity::Velocity
+        | Quantity::ContactState
+        | Quantity::NormalForce
+        | Quantity::FrictionForce
+        | Quantity::SlipVelocity
+        | Quantity::StateChanges
+        | Quantity::Strict => {}
     }
     let Some(network) = scene.network() else {
         return match template.quantity {
@@ -321,6 +355,25 @@ mod tests {
             "contact[2].slip_velocity",
         ] {
             assert!(names.contains(name), "{name}");
+        }
+    }
+
+    /// Of names that count, as x1 … x4, the first stands for all.
+    #[test]
+    fn the_readme_names_every_variable() {
+        let readme = include_str!("../../README.md");
+        let (_, after) = readme.split_once("\n## In an importer\n").unwrap();
+        let (section, _) = after.split_once("\n## ").unwrap();
+        let is_end = |c: char| !c.is_alphanumeric() && c != '_';
+        let named: HashSet<&str> =
+            section.split('`').skip(1).step_by(2).flat_map(|name| name.split(is_end)).collect();
+        for Template { name, .. } in TEMPLATES {
+            let last = name.rsplit('.').next().unwrap();
+            let first = match last.trim_end_matches(|c: char| c.is_ascii_digit()) {
+                word if word.len() < last.len() => format!("{word}1"),
+                word => word.to_owned(),
+            };
+            assert!(named.contains(&*first), "\"In an importer\" in README.md lacks {name}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Reading and writing of the catalogue's variables.
 
 use super::Simulation;
-use super::catalogue::{Kind, Quantity, Template, Variable};
+use super::catalogue::{Kind, Quantity, Template, Variable, computed, given};
 use super::parameters::not_settable;
 use crate::Error;
 use crate::contact::ContactForce;
@@ -11,6 +11,8 @@ use crate::scene::{Network, Problem, Rule, Scene, Structure};
 pub(super) fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<&'a mut f64> {
     let i = variable.index;
     let &Template { quantity, component, .. } = variable.template;
+    // The parts of a structure: those of a ring, and those of a network.
+    let structure = &mut scene.structure;
     Some(match quantity {
         Quantity::SliderVelocity => &mut scene.slider.velocity,
         Quantity::SliderAngle => &mut scene.slider.angle,
@@ -20,34 +22,45 @@ pub(super) fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<
         Quantity::DampingAlpha => &mut scene.damping.alpha,
         Quantity::DampingBeta => &mut scene.damping.beta,
         Quantity::IntegratorStep => &mut scene.step,
-        _ => match &mut scene.structure {
-            Structure::Ring(modules) => {
-                let module = &mut modules[i];
-                match quantity {
-                    Quantity::Mass => &mut module.mass[component],
-                    Quantity::Stiffness => &mut module.stiffness[component],
-                    Quantity::Preload => &mut module.preload,
-                    Quantity::ExternalForce => &mut module.force[component],
-                    Quantity::InitialDisplacement => &mut module.displacement[component],
-                    Quantity::InitialVelocity => &mut module.velocity[component],
-                    _ => return None,
-                }
-            }
-            Structure::Network(Network { masses, springs, dampers, contacts }) => match quantity {
-                Quantity::Mass => &mut masses[i].mass,
-                Quantity::Stiffness => &mut springs[i].stiffness,
-                Quantity::Preload => return springs[i].preload.as_mut(),
-                Quantity::DamperDamping => &mut dampers[i].damping,
-                Quantity::ExternalForce => &mut masses[i].force[component],
-                Quantity::InitialDisplacement => &mut masses[i].displacement[component],
-                Quantity::InitialVelocity => &mut masses[i].velocity[component],
-                Quantity::OwnVelocity => return contacts[i].velocity.as_mut(),
-                Quantity::OwnFriction => return contacts[i].friction.as_mut(),
-                Quantity::OwnStaticFriction => return contacts[i].static_friction.as_mut(),
-                _ => return None,
-            },
+        Quantity::Mass => match structure {
+            Structure::Ring(modules) => &mut modules[i].mass[component],
+            Structure::Network(network) => &mut network.masses[i].mass,
         },
+        Quantity::Stiffness => match structure {
+            Structure::Ring(modules) => &mut modules[i].stiffness[component],
+            Structure::Network(network) => &mut network.springs[i].stiffness,
+        },
+        Quantity::Preload => match structure {
+            Structure::Ring(modules) => &mut modules[i].preload,
+            Structure::Network(network) => return network.springs[i].preload.as_mut(),
+        },
+        Quantity::ExternalForce => match structure {
+            Structure::Ring(modules) => &mut modules[i].force[component],
+            Structure::Network(network) => &mut network.masses[i].force[component],
+        },
+        Quantity::InitialDisplacement => match structure {
+            Structure::Ring(modules) => &mut modules[i].displacement[component],
+            Structure::Network(network) => &mut network.masses[i].displacement[component],
+        },
+        Quantity::InitialVelocity => match structure {
+            Structure::Ring(modules) => &mut modules[i].velocity[component],
+            Structure::Network(network) => &mut network.masses[i].velocity[component],
+        },
+        Quantity::DamperDamping => &mut network_of(structure)?.dampers[i].damping,
+        Quantity::OwnVelocity => return network_of(structure)?.contacts[i].velocity.as_mut(),
+        Quantity::OwnFriction => return network_of(structure)?.contacts[i].friction.as_mut(),
+        Quantity::OwnStaticFriction => {
+            return network_of(structure)?.contacts[i].static_friction.as_mut();
+        }
+        Quantity::Strict | computed!() => return None,
     })
+}
+
+fn network_of(structure: &mut Structure) -> Option<&mut Network> {
+    match structure {
+        Structure::Ring(_) => None,
+        Structure::Network(network) => Some(network),
+    }
 }
 
 /// Writes a parameter or input into a scene; [`Scene::check`] checks the value afterwards.
@@ -85,7 +98,7 @@ impl Simulation {
             Quantity::GrowthRate => self.indicator()?.growth_rate,
             Quantity::ModeFrequency => self.indicator()?.frequency,
             Quantity::ModeCount => f64::from(self.indicator()?.modes),
-            _ => self.nominal.get(variable).expect("every other quantity is a parameter or input"),
+            given!() => self.nominal.get(variable).expect("it is a parameter or input"),
         })
     }
 
@@ -160,7 +173,15 @@ pub fn rule(variable: &Variable) -> Rule {
         Quantity::IntegratorStep => Rule::TIME,
         // Component 3 is x4 of a module.
         Quantity::InitialDisplacement if variable.template.component == 3 => Rule::GAP,
-        _ => Rule::Finite,
+        Quantity::SliderVelocity
+        | Quantity::SliderAngle
+        | Quantity::Preload
+        | Quantity::ExternalForce
+        | Quantity::InitialDisplacement
+        | Quantity::InitialVelocity
+        | Quantity::OwnVelocity
+        | Quantity::Strict
+        | computed!() => Rule::Finite,
     }
 }
 

@@ -16,7 +16,7 @@ mod energy;
 mod inputs;
 mod slope;
 
-use super::catalogue::Quantity;
+use super::catalogue::{Quantity, given};
 use super::{Simulation, Variable};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
@@ -169,28 +169,8 @@ impl Simulation {
                     "{name} has no derivative: it is a discrete output"
                 )));
             }
-            Quantity::SliderVelocity
-            | Quantity::SliderAngle
-            | Quantity::FrictionCoefficient
-            | Quantity::StaticFriction
-            | Quantity::StribeckVelocity
-            | Quantity::DampingAlpha
-            | Quantity::DampingBeta
-            | Quantity::DamperDamping
-            | Quantity::IntegratorStep
-            | Quantity::Mass
-            | Quantity::Stiffness
-            | Quantity::Preload
-            | Quantity::ExternalForce
-            | Quantity::InitialDisplacement
-            | Quantity::InitialVelocity
-            | Quantity::OwnVelocity
-            | Quantity::OwnFriction
-            | Quantity::OwnStaticFriction
-            | Quantity::Strict => {
-                return Err(Error::variable(format!(
-                    "{name} has no derivative: it is not an output"
-                )));
+            given!() => {
+                return Err(Error::variable(format!("{name} has no derivative: it is not an output")));
             }
         })
     }
