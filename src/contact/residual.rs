@@ -129,8 +129,7 @@ mod tests {
     use super::*;
 
     const SCALES: Scales = Scales { length: 1e-3, velocity: 0.1, force: 10.0 };
-    const FRICTION: Friction =
-        Friction { static_: 0.6, kinetic: 0.4, stribeck_velocity: f64::INFINITY };
+    const FRICTION: Friction = Friction::with_static(0.4, 0.6);
     /// Stuck within its cone: N = 10 N, T = 5 N of 6.
     const STUCK: Instant = Instant {
         gap: 0.0,

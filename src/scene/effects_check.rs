@@ -3,15 +3,14 @@
 use super::check::{Checks, Owner};
 use super::{Method, Problem, Scene, Selection, Structure};
 use crate::contact::Law;
+use crate::contact::friction::LawInfo;
 
 /// Reports effects that contradict each other, or the rest of the scene.
 pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     let law = scene.contact_law().friction;
     let about = law.info();
     let problem = |path: &str, message: String, help: &str| Problem::new(path, message).help(help);
-    if !about.sticks {
-        report_own_friction(scene, checks);
-    }
+    report_own_friction(scene, about, checks);
     if scene.effects.has_frozen_slip(law) && law == Law::StaticKinetic {
         let message = "contacts that do not stick have no static friction".to_owned();
         let help = "leave `static` or `static_friction` out, or let contacts stick";
@@ -45,13 +44,17 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     }
 }
 
-/// Reports contacts with their own friction coefficients in a scene whose law of friction is none.
-fn report_own_friction(scene: &Scene, checks: &mut Checks<'_>) {
+/// Reports contacts that have a friction coefficient of their own which the scene's law of friction does not use.
+fn report_own_friction(scene: &Scene, about: LawInfo, checks: &mut Checks<'_>) {
     let contacts = scene.network().map_or(&[][..], |network| &network.contacts);
     for (i, place) in contacts.iter().enumerate() {
-        let own = [("friction", place.friction), ("static_friction", place.static_friction)];
-        for (key, value) in own.into_iter().filter_map(|(key, value)| Some((key, value?))) {
-            let message = "the scene's law of friction is \"none\"";
+        let own = [
+            ("friction", "coefficient", place.friction),
+            ("static_friction", "static", place.static_friction),
+        ];
+        let unused = own.into_iter().filter(|(_, of_law, _)| !about.keys.contains(of_law));
+        for (key, value) in unused.filter_map(|(key, _, value)| Some((key, value?))) {
+            let message = format!("the scene's law of friction is \"{}\"", about.name);
             let problem = checks.problem(Owner::Contact(i), key, message).of(value);
             checks.problems.push(problem.help("leave it out, or give [friction] another law"));
         }

@@ -41,10 +41,11 @@ fn laws(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
 impl FrictionTable {
     /// The keys that are given, except `law`.
     fn given(&self) -> Vec<&'static str> {
+        let Self { law: _, coefficient, static_, stribeck_velocity } = self;
         let keys = [
-            ("coefficient", self.coefficient.is_some()),
-            ("static", self.static_.is_some()),
-            ("stribeck_velocity", self.stribeck_velocity.is_some()),
+            ("coefficient", coefficient.is_some()),
+            ("static", static_.is_some()),
+            ("stribeck_velocity", stribeck_velocity.is_some()),
         ];
         keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key)).collect()
     }
@@ -65,7 +66,16 @@ impl FrictionTable {
         let Some(name) = &self.law else {
             // The simplest law that has all the given coefficients.
             let has_all = |law: &&Law| given.iter().all(|key| needs(law).contains(key));
-            let law = Law::ALL.iter().skip(1).find(has_all).copied().unwrap_or(Law::Stribeck);
+            let with_friction = || Law::ALL.iter().filter(|law| **law != Law::Frictionless);
+            let Some(&law) = with_friction().find(has_all) else {
+                let laws: Vec<String> = with_friction()
+                    .map(|law| format!("\"{}\" has {}", law.info().name, spoken(needs(law))))
+                    .collect();
+                let message = format!("no law has {} together", spoken(&given));
+                let help = format!("choose one: {}", laws.join("; "));
+                problems.push(Problem::new("friction", message).help(help));
+                return Law::Coulomb;
+            };
             self.report_lacking(law, &given, problems);
             return law;
         };

@@ -1,17 +1,26 @@
 //! Laws of friction on a closed contact.
 //!
-//! Each law has a file of its own and a line of `register!`. A law may use the numbers of [`Friction`]. A number that a new
-//! law needs has these places:
+//! Each law has a file of its own and a line of `register!`. These places know the laws one by one, and the compiler does
+//! not point at all of them:
+//!
+//! | file | place |
+//! | --- | --- |
+//! | `tests/support/judge/reduced.rs`, `tests/soak/case.rs` | the law as the judge and the soak know it |
+//! | `crates/cli/tests/analyses/answers/` | the law as the matrices of the tests know it |
+//! | `scenes/effects/`, with `SHOWN` in `crates/export/tests/export/effects_variables.rs` | a scene of the law |
+//! | `README.md`, `scenes/README.md` | the tables of effects |
+//!
+//! A law may use the numbers of [`Friction`]. A number that a new law needs has these places besides:
 //!
 //! | file | place |
 //! | --- | --- |
 //! | this one | a field of [`Friction`] |
 //! | `src/scene/friction_file.rs`, `mod.rs`, `rule.rs` | the key of `[friction]`, the field of a scene, the values that are possible |
+//! | `src/scene/check.rs`, `lack.rs` | the check of the value; what a scene without it is told |
 //! | `modelDescription/variables.toml` | the variable, which importers and studies set |
 //! | `src/simulation/values.rs`, `catalogue.rs` | where a scene keeps the variable, its rule, `is_present`, `sets_limit` |
 //! | `crates/analysis/src/effects.rs` | `set_law`, with a typical value |
-//! | `tests/support/judge/reduced.rs`, `tests/soak/case.rs` | the law as the judge and the soak know it |
-//! | `crates/cli/tests/analyses/answers/` | the law as the matrices of the tests know it |
+//! | `tests/soak/file.rs`, `minimise.rs` | the number in scenes that the soak writes, and without it |
 
 mod fixed_direction;
 mod range;
@@ -42,7 +51,7 @@ impl From<f64> for Friction {
 impl Friction {
     /// Friction with these coefficients µ_k and µ_s.
     #[must_use]
-    pub fn with_static(kinetic: f64, static_: f64) -> Self {
+    pub const fn with_static(kinetic: f64, static_: f64) -> Self {
         Self { kinetic, static_, stribeck_velocity: f64::INFINITY }
     }
 }

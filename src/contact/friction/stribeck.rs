@@ -13,7 +13,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     velocity_dependence: Some(VelocityDependence {
         friction: |friction, slip| Stribeck::new(friction, 0.0).at(slip, ContactState::Slide).now,
         slope: |friction, slip| {
-            let Friction { kinetic, static_, stribeck_velocity: v_s } = friction;
+            let Friction { kinetic, static_, stribeck_velocity: v_s, .. } = friction;
             -(static_ - kinetic) * (libm::exp(-slip.abs() / v_s) / v_s)
         },
         by_coefficients: |friction, slip| {
@@ -42,7 +42,7 @@ impl FrictionLaw for Stribeck {
 
     #[inline(always)]
     fn at(self, slip: f64, before: ContactState) -> Self {
-        let Friction { kinetic, static_, stribeck_velocity } = self.friction;
+        let Friction { kinetic, static_, stribeck_velocity, .. } = self.friction;
         // A contact that sticks has no slip, though its surface may be faster by the end of the step.
         if before == ContactState::Stick {
             return Self { now: static_, ..self };
@@ -62,7 +62,8 @@ mod tests {
     use super::*;
     use ContactState::{Slide, Stick};
 
-    const FRICTION: Friction = Friction { kinetic: 0.2, static_: 0.5, stribeck_velocity: 0.1 };
+    const FRICTION: Friction =
+        Friction { stribeck_velocity: 0.1, ..Friction::with_static(0.2, 0.5) };
 
     const FALLS: VelocityDependence = INFO.velocity_dependence.unwrap();
 

@@ -43,16 +43,15 @@ impl Run {
 
     /// The friction of a contact that has this slip velocity (m/s) when a step begins, or sticks.
     pub(super) fn friction_at(&self, friction: Friction, slip: f64, sticks: bool) -> Friction {
-        if self.model.law.friction != Law::Stribeck {
-            return friction;
+        let Friction { kinetic, static_, .. } = friction;
+        let slip = if sticks && !self.model.law.is_frozen() { 0.0 } else { slip.abs() };
+        match self.model.law.friction {
+            Law::Frictionless | Law::Coulomb | Law::StaticKinetic => friction,
+            Law::Stribeck => {
+                let decay = (-slip / friction.stribeck_velocity).exp();
+                Friction::from(kinetic + (static_ - kinetic) * decay)
+            }
         }
-        let Friction { kinetic, static_, stribeck_velocity } = friction;
-        let decay = if sticks && !self.model.law.is_frozen() {
-            1.0
-        } else {
-            (-slip.abs() / stribeck_velocity).exp()
-        };
-        Friction::from(kinetic + (static_ - kinetic) * decay)
     }
 
     /// Edges of the cone of forces for a direction of friction, or for a range between two.

@@ -198,6 +198,8 @@ const LAWS: [(&str, &[&str]); 4] = [
 fn a_law_of_friction_has_the_variables_of_its_own_numbers_and_no_other() {
     for text in [RING, NETWORK] {
         let with = |friction: &str| text.replacen("coefficient = 0.3", friction, 1);
+        let laws = LAWS.map(|(friction, _)| scene(&with(friction)).contact_law().friction);
+        assert_eq!(laws, Law::ALL, "each law has a line of LAWS");
         let none = with(LAWS[0].0);
         for (place, (friction, own)) in LAWS.iter().enumerate() {
             let text = with(friction);

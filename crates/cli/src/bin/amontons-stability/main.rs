@@ -10,7 +10,7 @@ mod modes;
 mod states;
 
 use amontons::Error;
-use amontons::contact::{ContactState, Friction, parse_states};
+use amontons::contact::{ContactState, parse_states};
 use amontons::scene::Scene;
 use amontons::simulation::at_instant;
 use amontons_analysis::assign::assign;
@@ -132,12 +132,13 @@ fn configured(
 
 /// Friction coefficients for the heading of a table.
 fn friction(scene: &Scene) -> String {
-    let about = scene.contact_law().friction.info();
-    let Friction { kinetic, static_, .. } = scene.friction();
+    let (law, friction) = (scene.contact_law().friction, scene.friction());
+    let (about, kinetic) = (law.info(), friction.kinetic);
     if about.is_constant() {
         format!("µ = {}", of_contacts(scene).unwrap_or_else(|| kinetic.to_string()))
     } else {
-        format!("µ = {static_} to {kinetic} ({}), linearised at the slider's velocity", about.name)
+        let greatest = law.greatest_in_slip(friction);
+        format!("µ = {greatest} to {kinetic} ({}), linearised at the slider's velocity", about.name)
     }
 }
 
