@@ -11,14 +11,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 #[test]
-fn there_are_at_most_32_kernels_for_a_structure() {
+fn a_structure_has_few_kernels() {
     let all = kernels();
     let mut count = BTreeMap::new();
     for kernel in &all {
         *count.entry(kernel.structure).or_insert(0) += 1;
     }
     assert_eq!(count.len(), 4, "rings, lone modules, sparse and dense networks: {count:?}");
-    assert!(count.values().all(|&kernels| kernels <= 32), "{count:?}");
+    // The kernels of rings hold the law of friction, frozen or not, beside whether contacts open and whether there is damping.
+    // Those of networks are the same for all laws.
+    let most =
+        |structure| if ["ring", "modules"].contains(structure) { 8 * Law::ALL.len() } else { 32 };
+    assert!(count.iter().all(|(structure, &kernels)| kernels <= most(structure)), "{count:?}");
     let different: BTreeSet<_> = all.iter().map(|kernel| format!("{kernel:?}")).collect();
     assert_eq!(different.len(), all.len());
 }
