@@ -33,3 +33,30 @@ fn every_key_has_a_description_for_who_writes_a_scene() {
     }
     visit("", &serde_json::from_str(&schema()).unwrap());
 }
+
+#[test]
+fn the_fuzzer_knows_every_key_and_every_word_that_is_a_value() {
+    fn visit(schema: &serde_json::Value, words: &mut Vec<String>) {
+        let children: Vec<&serde_json::Value> = match schema {
+            serde_json::Value::Object(object) => {
+                let keys = object.get("properties").and_then(|keys| keys.as_object());
+                words.extend(keys.into_iter().flatten().map(|(key, _)| key.clone()));
+                let values = object.get("enum").and_then(|values| values.as_array());
+                let values = values.into_iter().flatten().chain(object.get("const"));
+                words.extend(values.filter_map(|word| Some(word.as_str()?.to_owned())));
+                object.values().collect()
+            }
+            serde_json::Value::Array(items) => items.iter().collect(),
+            _ => return,
+        };
+        children.into_iter().for_each(|child| visit(child, words));
+    }
+    let mut words = Vec::new();
+    visit(&serde_json::from_str(&schema()).unwrap(), &mut words);
+    assert!(words.iter().any(|word| word == "stribeck_velocity"), "{words:?}");
+    let known = include_str!("../../../../fuzz/scene.dict");
+    for word in words {
+        let line = format!("\"{word}\"");
+        assert!(known.lines().any(|known| known == line), "fuzz/scene.dict lacks {line}");
+    }
+}
