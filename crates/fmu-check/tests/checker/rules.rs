@@ -31,7 +31,10 @@ fn every_rule_has_an_fmu_that_breaks_it() {
         [include_str!("archive.rs"), include_str!("description.rs"), include_str!("libraries.rs")];
     for rule in Rule::ALL {
         let name = format!("\"{}\"", rule.id());
-        assert!(tests.iter().any(|test| test.contains(&name)), "no test breaks {name}");
+        assert!(
+            tests.iter().any(|test| test.contains(&name)),
+            "no test has {name}, with the quotes"
+        );
     }
 }
 
@@ -45,7 +48,7 @@ fn what_cannot_be_read_is_said_on_standard_error() {
 
 #[test]
 #[ignore = "breaks all FMUs again, and installs FMPy"]
-fn the_readme_says_in_how_many_of_the_broken_fmus_fmpy_names_a_problem() {
+fn fmpy_names_a_problem_in_as_few_of_the_broken_fmus_as_the_readme_says() {
     const VALIDATE: &str = "
 import pathlib, sys
 from fmpy.validation import validate_fmu
@@ -67,8 +70,6 @@ print(sum(map(is_named, pathlib.Path(sys.argv[1]).glob('*.fmu'))))
     let output = python.args(["-c", VALIDATE]).arg(folder.path()).output().unwrap();
     assert!(output.status.success(), "{}", text(&output.stderr));
     let named: usize = text(&output.stdout).trim().parse().unwrap();
-    let sentence = format!("names a problem in {named} of the {all} broken FMUs");
-    println!("FMPy {sentence}");
-    let readme = include_str!("../../README.md").split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(readme.contains(&sentence), "README.md does not say: {sentence}");
+    println!("FMPy names a problem in {named} of the {all} broken FMUs");
+    assert!(3 * named < all, "no longer less than a third, as README.md says");
 }
