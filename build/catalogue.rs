@@ -142,16 +142,16 @@ pub fn write(out: &Path) {
     fs::write(out.join("catalogue.rs"), code).expect("OUT_DIR is writable");
 }
 
-/// Patterns of the quantities that a simulation computes and of those that it is given, for matches that the compiler
-/// holds to have an arm for each.
+/// Writes the patterns `output!()` and `parameter_or_input!()` for a match on a quantity. With them the compiler asks for
+/// an arm for each new quantity.
 fn write_patterns(code: &mut String, variables: &[Variable]) {
     let of = |is_output: bool| -> BTreeSet<String> {
         let are = variables.iter().filter(|one| (one.causality == "output") == is_output);
         are.map(|variable| format!("Quantity::{}", variable.quantity)).collect()
     };
-    let (computed, given) = (of(true), of(false));
-    assert!(computed.is_disjoint(&given), "a quantity is either computed or given");
-    for (name, quantities) in [("computed", computed), ("given", given)] {
+    let (outputs, others) = (of(true), of(false));
+    assert!(outputs.is_disjoint(&others), "a quantity is an output, or else a parameter or input");
+    for (name, quantities) in [("output", outputs), ("parameter_or_input", others)] {
         let pattern = Vec::from_iter(quantities).join(" | ");
         writeln!(code, "macro_rules! {name} {{ () => {{ {pattern} }} }}\n").unwrap();
     }

@@ -4,8 +4,8 @@ use crate::scene::{Group, Role, Scene, Selection, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
-/// Patterns for a `match` on a [`Quantity`]: all that a simulation computes, and all that it is given.
-pub(super) use {computed, given};
+/// Patterns for a `match` on a [`Quantity`]: all outputs, and all parameters and inputs.
+pub(super) use {output, parameter_or_input};
 
 /// Text of the catalogue, for fingerprints.
 pub const CATALOGUE_TEXT: [&str; 2] = [
@@ -175,7 +175,7 @@ impl Variable {
             | Quantity::InitialVelocity
             | Quantity::OwnVelocity
             | Quantity::Strict
-            | computed!() => false,
+            | output!() => false,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Reading and writing of the catalogue's variables.
 
 use super::Simulation;
-use super::catalogue::{Kind, Quantity, Template, Variable, computed, given};
+use super::catalogue::{Kind, Quantity, Template, Variable, output, parameter_or_input};
 use super::parameters::not_settable;
 use crate::Error;
 use crate::contact::ContactForce;
@@ -52,7 +52,7 @@ pub(super) fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<
         Quantity::OwnStaticFriction => {
             return network_of(structure)?.contacts[i].static_friction.as_mut();
         }
-        Quantity::Strict | computed!() => return None,
+        Quantity::Strict | output!() => return None,
     })
 }
 
@@ -98,7 +98,9 @@ impl Simulation {
             Quantity::GrowthRate => self.indicator()?.growth_rate,
             Quantity::ModeFrequency => self.indicator()?.frequency,
             Quantity::ModeCount => f64::from(self.indicator()?.modes),
-            given!() => self.nominal.get(variable).expect("it is a parameter or input"),
+            parameter_or_input!() => {
+                self.nominal.get(variable).expect("it is a parameter or input")
+            }
         })
     }
 
@@ -181,7 +183,7 @@ pub fn rule(variable: &Variable) -> Rule {
         | Quantity::InitialVelocity
         | Quantity::OwnVelocity
         | Quantity::Strict
-        | computed!() => Rule::Finite,
+        | output!() => Rule::Finite,
     }
 }
 

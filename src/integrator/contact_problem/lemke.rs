@@ -205,7 +205,7 @@ impl ContactProblem {
             match &constraint[contact] {
                 ContactConstraint::Open => {}
                 ContactConstraint::Slipping { .. } => {
-                    lemke.parts.push((contact, LemkeVariable::Normal))
+                    lemke.parts.push((contact, LemkeVariable::Normal));
                 }
                 ContactConstraint::Law(range) => {
                     lemke.parts.push((contact, LemkeVariable::Normal));

@@ -16,7 +16,7 @@ mod energy;
 mod inputs;
 mod slope;
 
-use super::catalogue::{Quantity, given};
+use super::catalogue::{Quantity, parameter_or_input};
 use super::{Simulation, Variable};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
@@ -169,8 +169,10 @@ impl Simulation {
                     "{name} has no derivative: it is a discrete output"
                 )));
             }
-            given!() => {
-                return Err(Error::variable(format!("{name} has no derivative: it is not an output")));
+            parameter_or_input!() => {
+                return Err(Error::variable(format!(
+                    "{name} has no derivative: it is not an output"
+                )));
             }
         })
     }
