@@ -83,7 +83,7 @@ fn unpack(archive: &Archive, library: &str, folder: &Path) -> Result<(), String>
         }
         if !is_safe(entry) {
             return Err(format!(
-                "the entry {} has an unsafe name or is not a regular file",
+                "the entry {} has a name that is unsafe, or is not a regular file",
                 entry.name
             ));
         }
