@@ -1,11 +1,16 @@
 //! The program as its user meets it, and what it writes: FMUs, their pages, reports.
 
 mod browser;
+#[path = "../../../../tests/support/callgrind.rs"]
+mod callgrind;
 mod check;
 mod command_line;
 mod documentation;
 mod effects_command;
+mod instructions;
 mod licences;
+#[path = "../../../../tests/support/oscillator.rs"]
+mod oscillator;
 mod paper;
 #[path = "../../../../tests/support/program.rs"]
 mod program;

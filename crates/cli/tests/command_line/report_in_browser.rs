@@ -19,6 +19,7 @@ fn sample() -> (Browser, PathBuf, TempDir) {
 }
 
 #[test]
+#[cfg_attr(not(has_chromium), ignore = "Chromium is not installed (Debian: apt install chromium)")]
 fn every_figure_is_drawn_wide_and_on_a_phone() {
     let (mut browser, path, _folder) = sample();
     for width in [DESKTOP, PHONE] {
@@ -50,6 +51,7 @@ fn every_figure_is_drawn_wide_and_on_a_phone() {
 }
 
 #[test]
+#[cfg_attr(not(has_chromium), ignore = "Chromium is not installed (Debian: apt install chromium)")]
 fn the_scheme_is_the_readers() {
     let (mut browser, path, _folder) = sample();
     browser.open(&path, DESKTOP);

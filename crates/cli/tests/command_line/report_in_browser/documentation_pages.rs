@@ -28,6 +28,7 @@ fn unpacked(folder: &Path, scene: &str) -> PathBuf {
 }
 
 #[test]
+#[cfg_attr(not(has_chromium), ignore = "Chromium is not installed (Debian: apt install chromium)")]
 fn the_page_fits_its_window_and_every_letter_can_be_read() {
     let folder = folder();
     let none = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/effects/none.toml");
@@ -67,6 +68,7 @@ const CONTRAST: &str = "const light = c => { const [r, g, b] = c.match(/[\\d.]+/
     const contrast = (a, b) => { const [x, y] = [light(a), light(b)].sort((p, q) => q - p); return (x + 0.05) / (y + 0.05) };";
 
 #[test]
+#[cfg_attr(not(has_chromium), ignore = "Chromium is not installed (Debian: apt install chromium)")]
 fn pictures_have_the_colours_of_the_scheme() {
     let folder = folder();
     let path = unpacked(folder.path(), "set1");

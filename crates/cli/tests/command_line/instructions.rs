@@ -5,6 +5,7 @@ use crate::oscillator;
 use std::hint::black_box;
 
 #[test]
+#[cfg_attr(not(has_valgrind), ignore = "valgrind is not installed (Debian: apt install valgrind)")]
 #[cfg_attr(debug_assertions, ignore = "counts optimised code: cargo test --release")]
 fn with_all_effects_off_a_step_has_the_instructions_of_a_plain_oscillator() {
     // The name by which the restarted program knows the test.

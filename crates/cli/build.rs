@@ -1,0 +1,11 @@
+//! Says which programs the tests can use.
+
+#[path = "../../tests/support/programs.rs"]
+mod programs;
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=../../tests/support/programs.rs");
+    programs::find("chromium", &["chromium", "chromium-browser", "google-chrome"]);
+    programs::find("valgrind", &["valgrind"]);
+}
