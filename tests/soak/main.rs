@@ -163,7 +163,7 @@ fn run_file(path: &str) {
     let report = outcome::run(&case, plan);
     let _ = std::panic::take_hook();
     println!("{report:#?}");
-    assert_eq!(report.outcome, Outcome::HeldStates);
+    assert_eq!(report.outcome, Outcome::Kept);
 }
 
 #[test]

@@ -24,7 +24,7 @@ const LONGEST_JUDGED: Duration = Duration::from_secs(30);
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// Every step obeys the law.
-    HeldStates,
+    Kept,
     /// The scene was not taken, for this reason.
     Refused(String),
     /// The run ended since no contact forces obey the law.
@@ -39,7 +39,7 @@ impl Outcome {
     /// Class of outcomes of one kind: the reason without names and numbers.
     pub fn class(&self) -> String {
         match self {
-            Self::HeldStates => "kept the law".to_owned(),
+            Self::Kept => "kept the law".to_owned(),
             Self::Refused(why) | Self::NoSolution(why) | Self::Early(why) | Self::Broke(why) => {
                 class_of(why)
             }
@@ -112,7 +112,7 @@ pub fn listen_to_panics() {
 
 /// Runs a case by one of its plans.
 pub fn run(case: &Case, plan: Plan) -> Report {
-    let mut report = Report::of(Outcome::HeldStates);
+    let mut report = Report::of(Outcome::Kept);
     let judged = AssertUnwindSafe(|| judged(case, plan, &mut report));
     match catch_unwind(judged) {
         Ok(outcome) => report.outcome = outcome,
@@ -180,7 +180,7 @@ fn steps(run: &mut Run, plan: Plan, report: &mut Report) -> Outcome {
             break;
         }
     }
-    Outcome::HeldStates
+    Outcome::Kept
 }
 
 /// Outcome of a run that ended in an error.

@@ -34,7 +34,7 @@ impl Tally {
         self.let_off += report.let_off;
         let class = report.outcome.class();
         let counts = match &report.outcome {
-            Outcome::HeldStates => {
+            Outcome::Kept => {
                 self.kept += 1;
                 return;
             }

@@ -50,18 +50,18 @@ pub struct Change {
 
 /// The motion after `t` (s) of a step.
 #[derive(Clone)]
-struct ObservationSettings {
+struct Observation {
     t: f64,
     statistics: Statistics,
     states: Vec<ContactState>,
     place: Place,
 }
 
-impl ObservationSettings {
+impl Observation {
     /// `true` if nothing has happened between the two. Rounding decides whether a slip that just touches zero is an
     /// event, so counts alone do not suffice.
     fn is_same(&self, other: &Self) -> bool {
-        let [a, b] = [self, other].map(|look| look.statistics);
+        let [a, b] = [self, other].map(|observation| observation.statistics);
         (a.entered, a.touch_downs, a.events, a.ended_hops)
             == (b.entered, b.touch_downs, b.events, b.ended_hops)
             && self.states == other.states
@@ -85,12 +85,7 @@ impl Run {
     /// # Errors
     /// Returns an error if the integrator finds no forces, which may happen on a way that the step itself does not
     /// take.
-    fn go(
-        &mut self,
-        span: &Span,
-        from: &ObservationSettings,
-        t: f64,
-    ) -> Result<ObservationSettings, StepFailure> {
+    fn go(&mut self, span: &Span, from: &Observation, t: f64) -> Result<Observation, StepFailure> {
         let rest =
             span.force(from.t) - &self.stiffness * self.total(&DVector::zeros(self.model.dofs()));
         let drive = span.drive(&rest, [from.t, t]);
@@ -104,7 +99,7 @@ impl Run {
         integrator.advance(&mut motion, &drive, t - from.t, 1)?;
         let Motion { displacement, velocity, contacts, statistics, .. } = motion;
         let place = [displacement, velocity].map(DVector::from_vec);
-        Ok(ObservationSettings { t, statistics, states: contacts, place })
+        Ok(Observation { t, statistics, states: contacts, place })
     }
 
     /// Judges the last step of an integrator whose motion is exact.
@@ -118,7 +113,7 @@ impl Run {
         self.segments.clear();
         self.let_off.steps += 1;
         let span = self.span(self.time() - self.h());
-        let end = ObservationSettings {
+        let end = Observation {
             t: self.h(),
             statistics: self.simulation.statistics(),
             states: self.simulation.contact_states().to_vec(),
@@ -131,7 +126,7 @@ impl Run {
             self.let_off.ended += 1;
             return;
         }
-        let from = ObservationSettings { t: 0.0, statistics, states, place: self.before.clone() };
+        let from = Observation { t: 0.0, statistics, states, place: self.before.clone() };
         if !from.is_same(&end) && (!span.is_straight || self.turns(&span)) {
             // Parts of the step would have the slider on other ways.
             self.let_off.bent += 1;
@@ -158,9 +153,9 @@ impl Run {
     fn judge_way(
         &mut self,
         span: &Span,
-        mut from: ObservationSettings,
-        end: &ObservationSettings,
-    ) -> Result<Option<ObservationSettings>, StepFailure> {
+        mut from: Observation,
+        end: &Observation,
+    ) -> Result<Option<Observation>, StepFailure> {
         let start = self.time() - self.h();
         let mut states = from.states.clone();
         for _ in 0..MOST_CHANGES {
@@ -241,9 +236,9 @@ impl Run {
     fn bracket(
         &mut self,
         span: &Span,
-        from: &ObservationSettings,
-        goal: &ObservationSettings,
-    ) -> Result<[ObservationSettings; 2], StepFailure> {
+        from: &Observation,
+        goal: &Observation,
+    ) -> Result<[Observation; 2], StepFailure> {
         let (mut before, mut after) = (from.clone(), goal.clone());
         let near = self.near();
         while after.t - before.t > near {
@@ -270,9 +265,9 @@ impl Run {
     fn turned_at_once(
         &mut self,
         span: &Span,
-        from: &ObservationSettings,
-        before: &ObservationSettings,
-        after: &ObservationSettings,
+        from: &Observation,
+        before: &Observation,
+        after: &Observation,
     ) -> bool {
         let passed = [from.t, after.t - from.t];
         let (moved, allowed) = self.moved(span, before, after);
@@ -298,15 +293,15 @@ impl Run {
     fn found_before(
         &mut self,
         span: &Span,
-        from: &ObservationSettings,
-        to: &ObservationSettings,
-    ) -> Result<Option<ObservationSettings>, StepFailure> {
+        from: &Observation,
+        to: &Observation,
+    ) -> Result<Option<Observation>, StepFailure> {
         let near = self.near();
         let earlier = (1..20).map(|growths| to.t - near * 8.0_f64.powi(growths));
         for t in earlier.take_while(|t| t - from.t > near) {
-            let look = self.go(span, from, t)?;
-            if !look.is_same(from) {
-                return Ok(Some(look));
+            let observation = self.go(span, from, t)?;
+            if !observation.is_same(from) {
+                return Ok(Some(observation));
             }
         }
         Ok(None)
@@ -317,8 +312,8 @@ impl Run {
     fn states_between(
         &mut self,
         span: &Span,
-        from: &ObservationSettings,
-        to: &ObservationSettings,
+        from: &Observation,
+        to: &Observation,
         last: &[ContactState],
     ) -> Result<Vec<ContactState>, StepFailure> {
         let is_whole = from.t == 0.0 && to.t == self.h();
@@ -336,8 +331,8 @@ impl Run {
     fn judge_segment(
         &mut self,
         span: &Span,
-        from: &ObservationSettings,
-        to: &ObservationSettings,
+        from: &Observation,
+        to: &Observation,
         last: &mut Vec<ContactState>,
     ) -> Result<(), StepFailure> {
         let time = self.time() - self.h();

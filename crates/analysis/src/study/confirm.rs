@@ -206,9 +206,8 @@ fn run(
     let Some(ending) = run_to_steady_state(&mut simulation, observation, &is_over)? else {
         return Ok(None);
     };
-    let can_continue = ending.kind.is_cycle();
-    let visited =
-        can_continue.then(|| visited(&simulation, observation, ending.period)).transpose()?;
+    let is_cycle = ending.kind.is_cycle();
+    let visited = is_cycle.then(|| visited(&simulation, observation, ending.period)).transpose()?;
     Ok(Some((ending, visited)))
 }
 

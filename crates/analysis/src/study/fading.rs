@@ -49,11 +49,11 @@ pub(super) struct LastingStates {
 
 /// Long-term behaviour of the share of time that a contact state takes.
 #[derive(Clone, Copy, PartialEq)]
-enum LongTermShare {
+enum ShareTrend {
     Stays,
     Fades,
     /// Later times must show it.
-    OpenQuestion,
+    Open,
 }
 
 /// The contact states that last, if shares of them still fall: those whose share does not tend to zero as the time
@@ -82,11 +82,11 @@ pub(super) fn lasting(
         let Some(again) = shown.after(&mut motion, elapsed, is_over)? else { return Ok(None) };
         elapsed *= 2.0;
         three = [three[1], three[2], again];
-        let fates = [0, 1, 2, 3].map(|i| long_term_share(three.map(|shares| shares[i])));
-        if !fates.contains(&LongTermShare::OpenQuestion) || 2.0 * elapsed > longest {
-            let fading = [0, 1, 2, 3].map(|i| fates[i] == LongTermShare::Fades && shares[i] > 0.0);
+        let trends = [0, 1, 2, 3].map(|i| share_trend(three.map(|shares| shares[i])));
+        if !trends.contains(&ShareTrend::Open) || 2.0 * elapsed > longest {
+            let fading = [0, 1, 2, 3].map(|i| trends[i] == ShareTrend::Fades && shares[i] > 0.0);
             let mut shares = again;
-            (0..4).filter(|i| fates[*i] == LongTermShare::Fades).for_each(|i| shares[i] = 0.0);
+            (0..4).filter(|i| trends[*i] == ShareTrend::Fades).for_each(|i| shares[i] = 0.0);
             let all: f64 = shares.iter().sum();
             return Ok(Some(LastingStates { shares: shares.map(|share| share / all), fading }));
         }
@@ -95,16 +95,16 @@ pub(super) fn lasting(
 
 /// Behaviour of a share that had these values at three times. Each time is twice as long after the beginning as the
 /// one before.
-fn long_term_share(three: [f64; 3]) -> LongTermShare {
+fn share_trend(three: [f64; 3]) -> ShareTrend {
     let [_, before, last] = three;
     if last == 0.0 || tends_to_zero(three) {
-        LongTermShare::Fades
+        ShareTrend::Fades
     } else if last >= (1.0 - STAYS) * before
         || limit(three).is_some_and(|limit| limit >= LASTS * last)
     {
-        LongTermShare::Stays
+        ShareTrend::Stays
     } else {
-        LongTermShare::OpenQuestion
+        ShareTrend::Open
     }
 }
 

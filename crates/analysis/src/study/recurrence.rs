@@ -460,8 +460,8 @@ pub(super) fn is_closing(closures: &[Closure]) -> bool {
         factors.iter().copied().fold(f64::INFINITY, f64::min),
         factors.iter().copied().fold(0.0, f64::max),
     ];
-    let can_continue = 1.0 - factors[2] >= SAME_SPEED * (1.0 - factors[0]);
-    same && most < 0.95 && most <= SAME_FACTOR * least && can_continue
+    let keeps_speed = 1.0 - factors[2] >= SAME_SPEED * (1.0 - factors[0]);
+    same && most < 0.95 && most <= SAME_FACTOR * least && keeps_speed
 }
 
 fn have_same_period(a: &Closure, b: &Closure) -> bool {

@@ -211,12 +211,12 @@ impl Settling {
             },
         );
         // A motion that a surface carries along, or that flies on, is transient.
-        let can_continue = !changed && !may_rest && !simulation.is_driven_on();
+        let is_transient = !changed && !may_rest && !simulation.is_driven_on();
         // A window that contains the last edge of a signal shows transient motion, too.
         let began = (self.row - self.observation.rows()) as f64 * self.observation.interval;
         let waits = began < self.last_edge;
-        let is_open = can_continue || waits && course != Trend::Unbounded;
-        let course = if is_open { Trend::OpenQuestion } else { course };
+        let is_open = is_transient || waits && course != Trend::Unbounded;
+        let course = if is_open { Trend::Open } else { course };
         let follows = course != Trend::Rests && !is_open && self.follows(simulation, is_over)?;
         let kind = match course {
             _ if follows => Some((Kind::QuasiPeriodic, None)),
@@ -225,7 +225,7 @@ impl Settling {
             Trend::Steady | Trend::Varies => {
                 self.kind(simulation, course == Trend::Varies, is_over)?
             }
-            Trend::OpenQuestion => None,
+            Trend::Open => None,
         };
         let (kind, parting) = match kind {
             Some(known) => known,

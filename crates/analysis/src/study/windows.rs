@@ -64,7 +64,7 @@ pub(super) enum Trend {
     /// The motion grows, and nothing can stop it.
     Unbounded,
     /// None of these yet.
-    OpenQuestion,
+    Open,
 }
 
 /// Properties of a motion and its scene that are needed to judge a window.
@@ -176,7 +176,7 @@ impl Windows {
         let has_been = || self.seen.iter().rev().take(4).all(|seen| seen.size <= nothing);
         if flickers && self.seen.len() >= 4 && has_been() {
             let is_growing = (around.growth)().is_some_and(GrowthRate::is_growing);
-            return if is_growing { Trend::OpenQuestion } else { Trend::Rests };
+            return if is_growing { Trend::Open } else { Trend::Rests };
         }
         // A motion that a sine keeps pushing gets no smaller, so it rests only if it already does.
         let is_resting = is_rounding || is_free && rests(&self.seen);
@@ -202,7 +202,7 @@ impl Windows {
         // A beat that is longer than some windows has a trend over these, and none over more.
         let lengths = if is_last { &IRREGULAR_WINDOWS[..] } else { &IRREGULAR_WINDOWS[..1] };
         let varies = |windows: &usize| has_no_trend(&sizes, *windows);
-        if changed && lengths.iter().any(varies) { Trend::Varies } else { Trend::OpenQuestion }
+        if changed && lengths.iter().any(varies) { Trend::Varies } else { Trend::Open }
     }
 
     /// `true` if the lines of the last windows are the same and none grows.
@@ -379,7 +379,7 @@ mod tests {
             let largest = max_norm(&mixture);
             let around = Surroundings { largest, ..FREE };
             match windows.judge(mixture, changes, false, around) {
-                Trend::OpenQuestion => None,
+                Trend::Open => None,
                 course => Some((windows.count(), course)),
             }
         })
@@ -418,7 +418,7 @@ mod tests {
     fn what_grows_evenly_far_beyond_all_loads_grows_without_bound() {
         let last = |is_far: bool, rate: &dyn Fn(f64) -> f64| {
             let mut windows = Windows::new(ROWS, INTERVAL);
-            let mut course = Trend::OpenQuestion;
+            let mut course = Trend::Open;
             for window in 0..6 {
                 let growing = over(window, |t| rate(t).exp() * sine(40.0, t));
                 course = windows.judge(growing, true, false, Surroundings { is_far, ..FREE });
@@ -426,8 +426,8 @@ mod tests {
             course
         };
         assert_eq!(last(true, &|t| 0.5 * t), Trend::Unbounded);
-        assert_eq!(last(false, &|t| 0.5 * t), Trend::OpenQuestion);
-        assert_eq!(last(true, &|t| 2.0 * (0.3 * t).sin()), Trend::OpenQuestion);
+        assert_eq!(last(false, &|t| 0.5 * t), Trend::Open);
+        assert_eq!(last(true, &|t| 2.0 * (0.3 * t).sin()), Trend::Open);
     }
 
     #[test]
@@ -436,7 +436,7 @@ mod tests {
         for window in 0..8 {
             let decaying = over(window, |t| (-0.5 * t).exp() * sine(40.0, t));
             let driven = Surroundings { is_driven: true, is_repeated: false, ..FREE };
-            assert_eq!(windows.judge(decaying, false, false, driven), Trend::OpenQuestion);
+            assert_eq!(windows.judge(decaying, false, false, driven), Trend::Open);
         }
     }
 
@@ -490,9 +490,9 @@ mod tests {
         };
         // By 0.02 % a window: far too slow to be seen to end.
         assert_eq!(last(-1e-4, -1e-7, false), Some(Trend::Rests));
-        assert_eq!(last(-1e-4, 1e-7, false), Some(Trend::OpenQuestion));
+        assert_eq!(last(-1e-4, 1e-7, false), Some(Trend::Open));
         assert_eq!(last(1e-4, 1e-7, true), Some(Trend::Unbounded));
-        assert_eq!(last(1e-4, 1e-7, false), Some(Trend::OpenQuestion));
+        assert_eq!(last(1e-4, 1e-7, false), Some(Trend::Open));
     }
 
     #[test]

@@ -21,18 +21,13 @@ fn both(text: &str, step: f64, omega: f64) -> [(Scene, f64); 2] {
     [(scene, 1e-12), (scheme, 2.0 * step * omega)]
 }
 
-/// Runs a scene and gives each of `count` times, `interval` apart (s), to `observation`.
-fn follow(
-    scene: &Scene,
-    interval: f64,
-    count: u32,
-    mut observation: impl FnMut(f64, &mut Simulation),
-) {
+/// Runs a scene and gives each of `count` times, `interval` apart (s), to `observe`.
+fn follow(scene: &Scene, interval: f64, count: u32, mut observe: impl FnMut(f64, &mut Simulation)) {
     let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
     for i in 1..=count {
         let t = interval * f64::from(i);
         simulation.advance_to(t).unwrap();
-        observation(t, &mut simulation);
+        observe(t, &mut simulation);
     }
 }
 

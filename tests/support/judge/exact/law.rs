@@ -2,7 +2,7 @@
 //! change of state, and on what is reported.
 
 use super::motion::{Place, Span};
-use super::{ObservationSettings, SHORTEST, SLOW};
+use super::{Observation, SHORTEST, SLOW};
 use crate::judge::reduced::residual_under;
 use crate::judge::rule::{Before, Doing, state_of};
 use crate::judge::{ROUNDING, Run};
@@ -24,26 +24,26 @@ impl Run {
     pub(super) fn judge_instant(
         &mut self,
         span: &Span,
-        look: &ObservationSettings,
+        observation: &Observation,
         held: usize,
         is_end: bool,
     ) {
-        let (force, lost) = self.outer(span, look);
-        let sliders = span.acceleration(look.t);
+        let (force, lost) = self.outer(span, observation);
+        let sliders = span.acceleration(observation.t);
         let state = &self.memory.held[held];
         let forces = &state.multipliers * &force + &state.carried * &sliders;
         let lost = lost * state.multipliers.amax().max(1.0);
         let accelerations = &state.mobility * &force + &state.follows * &sliders;
         if self.fit.is_none() {
-            return self.judge_redundant_instant(span, look, held, &forces, lost);
+            return self.judge_redundant_instant(span, observation, held, &forces, lost);
         }
         let places = (0..sliders.len()).map(|i| [forces[2 * i], forces[2 * i + 1]]);
         for (i, pair) in places.enumerate() {
-            let slider = [span.slider(i, look.t), sliders[i], self.frozen(span, i)];
-            self.at = (look.t - self.h(), is_end);
+            let slider = [span.slider(i, observation.t), sliders[i], self.frozen(span, i)];
+            self.at = (observation.t - self.h(), is_end);
             self.judge_contact(
                 i,
-                &look.place,
+                &observation.place,
                 &accelerations,
                 pair,
                 slider,
@@ -59,17 +59,17 @@ impl Run {
     fn judge_redundant_instant(
         &mut self,
         span: &Span,
-        look: &ObservationSettings,
+        observation: &Observation,
         held: usize,
         forces: &DVector<f64>,
         lost: f64,
     ) {
         let states = self.memory.held[held].states.clone();
         let friction = &span.start.friction;
-        let time = self.time() - self.h() + look.t;
+        let time = self.time() - self.h() + observation.t;
         let small = LAW + self.exact_drift() + self.forgiven;
         for (i, state) in states.iter().enumerate() {
-            let gap = self.directions.column(2 * i).dot(&look.place[0]);
+            let gap = self.directions.column(2 * i).dot(&observation.place[0]);
             let is_off = if *state == Detached { gap < 0.0 } else { true };
             let allowed = small * self.scales.length;
             assert!(!is_off || gap.abs() <= allowed, "contact {i} at {time} s: gap {gap:e} m");
@@ -89,14 +89,14 @@ impl Run {
     /// Judges the states that follow on a change: a contact that does not slip yet but is about to could not
     /// have held.
     #[track_caller]
-    pub(super) fn judge_onset(&mut self, span: &Span, look: &ObservationSettings, held: usize) {
+    pub(super) fn judge_onset(&mut self, span: &Span, observation: &Observation, held: usize) {
         if !self.has_whole_law() || self.fit.is_none() {
             return;
         }
-        let (force, lost) = self.outer(span, look);
+        let (force, lost) = self.outer(span, observation);
         let state = &self.memory.held[held];
         let states = state.states.clone();
-        let sliders = span.acceleration(look.t);
+        let sliders = span.acceleration(observation.t);
         let forces = &state.multipliers * &force + &state.carried * &sliders;
         let accelerations = &state.mobility * &force + &state.follows * &sliders;
         let lost = lost * state.multipliers.amax().max(1.0);
@@ -104,7 +104,7 @@ impl Run {
         let allowed = (LAW + drift + self.forgiven) * self.scales.force + lost;
         for i in 0..span.steady.len() {
             let [normal, tangent] = [0, 1].map(|k| self.directions.column(2 * i + k));
-            let slip_velocity = span.slider(i, look.t) - tangent.dot(&look.place[1]);
+            let slip_velocity = span.slider(i, observation.t) - tangent.dot(&observation.place[1]);
             if slip_velocity.abs() > (STANDS + drift + self.forgiven) * self.scales.velocity {
                 continue;
             }
@@ -126,7 +126,7 @@ impl Run {
                 self.let_off.coupled += 1;
                 continue;
             }
-            let time = self.time() - self.h() + look.t;
+            let time = self.time() - self.h() + observation.t;
             assert!(missed <= 0.0, "contact {i} at {time} s: {missed:e} N, {doing:?} {friction:?}");
         }
     }
@@ -251,12 +251,7 @@ impl Run {
     }
 
     /// Largest velocities (m/s), and their change by contacts and loads between two times.
-    fn gained(
-        &self,
-        span: &Span,
-        before: &ObservationSettings,
-        after: &ObservationSettings,
-    ) -> [f64; 2] {
+    fn gained(&self, span: &Span, before: &Observation, after: &Observation) -> [f64; 2] {
         let fastest = before.place[1].amax().max(after.place[1].amax()).max(self.scales.velocity);
         let (force, _) = self.outer(span, before);
         // Contacts add no more than holds all others, several times.
@@ -269,15 +264,15 @@ impl Run {
     pub(super) fn moved(
         &self,
         span: &Span,
-        before: &ObservationSettings,
-        after: &ObservationSettings,
+        before: &Observation,
+        after: &Observation,
     ) -> (f64, f64) {
         let [fastest, gained] = self.gained(span, before, after);
         // Some thousand bits: closed contacts are put where they belong at each change. Of inclined ones that
         // bounce off each other, one bounce more or less.
         let bounces = (0..span.steady.len()).any(|i| {
             let normal = self.directions.column(2 * i);
-            let opening = |look: &ObservationSettings| normal.dot(&look.place[1]).abs();
+            let opening = |observation: &Observation| normal.dot(&observation.place[1]).abs();
             let fast = opening(before).max(opening(after));
             fast > 1e-4 * SLOW * fastest && fast < 1e2 * SLOW * fastest
         });
@@ -296,8 +291,8 @@ impl Run {
     pub(super) fn judge_event(
         &mut self,
         span: &Span,
-        before: &ObservationSettings,
-        after: &ObservationSettings,
+        before: &Observation,
+        after: &Observation,
         states: &[ContactState],
     ) {
         self.let_off.changes += 1;
@@ -442,13 +437,9 @@ impl Run {
             return;
         }
         let statistics = self.simulation.statistics();
-        let look = ObservationSettings {
-            t: 0.0,
-            statistics,
-            states: states.clone(),
-            place: self.now.clone(),
-        };
-        let (force, lost) = self.outer(&span, &look);
+        let observation =
+            Observation { t: 0.0, statistics, states: states.clone(), place: self.now.clone() };
+        let (force, lost) = self.outer(&span, &observation);
         let state = &self.memory.held[held];
         let pairs = reported.iter().flat_map(|force| [force.normal_force, force.friction_force]);
         let given = DVector::from_iterator(2 * reported.len(), pairs);

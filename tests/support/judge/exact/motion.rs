@@ -1,7 +1,7 @@
 //! Exact motion in one contact state by the exponential of a matrix that is built from M, C, K, the directions of the
 //! contacts and their states.
 
-use super::{ObservationSettings, SLOW};
+use super::{Observation, SLOW};
 use crate::judge::{Acting, ROUNDING, Run, singular};
 use amontons::contact::ContactState::{self, Detached, Stick};
 use amontons::contact::Friction;
@@ -31,12 +31,12 @@ pub(in crate::judge) struct Held {
 }
 
 /// Kept exponentials: arguments and results.
-type HeldStates = Vec<(Vec<f64>, DMatrix<f64>)>;
+type Exponentials = Vec<(Vec<f64>, DMatrix<f64>)>;
 
 #[derive(Default)]
 pub(in crate::judge) struct Memory {
     pub(in crate::judge) held: Vec<Held>,
-    kept: HeldStates,
+    kept: Exponentials,
     pub(super) probe: Option<Simulation>,
     pub(super) integrator: Option<Box<dyn Integrator>>,
 }
@@ -342,10 +342,10 @@ impl Run {
     }
 
     /// The force on the masses without that of contacts, and its rounding errors, N.
-    pub(super) fn outer(&self, span: &Span, look: &ObservationSettings) -> (DVector<f64>, f64) {
-        let [x, v] = &look.place;
+    pub(super) fn outer(&self, span: &Span, observation: &Observation) -> (DVector<f64>, f64) {
+        let [x, v] = &observation.place;
         let total = self.total(x);
-        let parts = [span.force(look.t), -(&self.damping * v), -(&self.stiffness * &total)];
+        let parts = [span.force(observation.t), -(&self.damping * v), -(&self.stiffness * &total)];
         let lost =
             parts[0].amax() + self.damping.amax() * v.amax() + self.stiffness.amax() * total.amax();
         (parts.into_iter().sum(), ROUNDING * lost)

@@ -159,8 +159,8 @@ impl Follower {
         displacement: &[f64],
         velocity: &[f64],
     ) {
-        let can_continue = |rows: &Rows| rows.changes == changes && rows.states == states;
-        if !self.stretch.as_ref().is_some_and(can_continue) {
+        let continues = |rows: &Rows| rows.changes == changes && rows.states == states;
+        if !self.stretch.as_ref().is_some_and(continues) {
             // A surface that is turned round at an edge is followed at once.
             #[allow(clippy::cast_precision_loss)]
             let is_at_edge = self.drives.next_edge <= row as f64 * self.interval * (1.0 + 1e-12);
@@ -277,9 +277,9 @@ impl Follower {
             let mut begin = found.len();
             for mode in modes.drain(..) {
                 let last = (before.0 == *states).then_some(before.1.clone());
-                let can_continue =
+                let continues =
                     |place: &usize| found[*place].continues_in(&mode, 2.5 * self.interval);
-                match last.into_iter().flatten().find(can_continue) {
+                match last.into_iter().flatten().find(continues) {
                     Some(place) => {
                         begin -= 1;
                         let whole = found.remove(place).joined(&mode);
@@ -320,8 +320,8 @@ impl Basis {
     #[allow(clippy::cast_precision_loss)]
     fn trace(&self, rows: &Rows, drives: &[f64], interval: f64, largest: f64) -> Traced {
         let begin = rows.first as f64 * interval;
-        let observation = |level: &Level| self.observation(level, begin, drives, interval, largest);
-        let mut levels: Vec<Vec<SeenMode>> = rows.levels.iter().map(observation).collect();
+        let seen_modes = |level: &Level| self.seen_modes(level, begin, drives, interval, largest);
+        let mut levels: Vec<Vec<SeenMode>> = rows.levels.iter().map(seen_modes).collect();
         let whole = levels.iter().last().into_iter().flatten();
         let is_explained = whole.into_iter().all(|seen| seen.is_straight || !seen.matters);
         let explained = rows.explained(interval);
@@ -346,7 +346,7 @@ impl Basis {
 
     /// Each mode as the rows of a level show it.
     #[allow(clippy::cast_precision_loss)]
-    fn observation(
+    fn seen_modes(
         &self,
         Level { step, kept }: &Level,
         begin: f64,
@@ -375,7 +375,7 @@ impl Basis {
                 .fold(0.0, |most, w| f64::max(most, w.norm()))
         };
         let strongest: Vec<f64> = (0..coefficients.len()).map(strongest).collect();
-        let observation = |curve: &Option<Curve>| {
+        let seen_mode = |curve: &Option<Curve>| {
             curve.as_ref().map_or_else(SeenMode::default, |curve| {
                 let is_seen = |i: &usize| {
                     let last = (i + curve.reach).min(levels.len() - 1);
@@ -385,7 +385,7 @@ impl Basis {
                 curve.seen(&rows, &strongest, begin, step)
             })
         };
-        curves.iter().map(observation).collect()
+        curves.iter().map(seen_mode).collect()
     }
 }
 

@@ -14,7 +14,7 @@ pub enum State {
     Slides,
     SlidesBack,
     Sticks,
-    OpenQuestion,
+    Open,
 }
 
 impl State {
@@ -23,7 +23,7 @@ impl State {
             "Sl" => Self::Slides,
             "R-Sl" => Self::SlidesBack,
             "St" => Self::Sticks,
-            "Dt" => Self::OpenQuestion,
+            "Dt" => Self::Open,
             _ => panic!("{name} is no contact state"),
         }
     }
@@ -279,7 +279,7 @@ impl Oracle {
         for (i, state) in states.iter().enumerate() {
             let (normal, tangent) = (self.normal.column(i), self.tangent.column(i));
             let sign = match state {
-                State::OpenQuestion => continue,
+                State::Open => continue,
                 State::Sticks => {
                     held.extend([normal.into_owned(), tangent.into_owned()]);
                     pushed.extend([normal.into_owned(), tangent.into_owned()]);
@@ -539,7 +539,7 @@ impl Motion {
             let is_open = !is_closed || scene.detachment && self.impulse[i] <= 0.0;
             let nearly = 1e-9 * (scene.velocity[i].abs() + 1e-6);
             let state = match slip[i] {
-                _ if is_open => State::OpenQuestion,
+                _ if is_open => State::Open,
                 slip if scene.sticking && slip.abs() <= nearly => State::Sticks,
                 slip if slip > 0.0 => State::Slides,
                 _ => State::SlidesBack,
