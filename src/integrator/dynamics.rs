@@ -116,32 +116,36 @@ impl Dynamics {
     /// Returns the contact that could not be solved.
     pub(super) fn respond(
         &mut self,
-        kept: HeldStates<'_>,
-        push: AppliedLoad<'_>,
+        held: HeldStates<'_>,
+        load: AppliedLoad<'_>,
         response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
-        self.push(push, response);
+        self.accelerate_freely(load, response);
         for (i, contact) in self.contacts.iter().enumerate() {
-            self.problem.constraint[i] = match kept.states[i] {
+            self.problem.constraints[i] = match held.states[i] {
                 ContactState::Detached => ContactConstraint::Open,
                 ContactState::Stick => ContactConstraint::Fixed,
-                state => ContactConstraint::Guided { slope: kept.slopes[i], state },
+                state => ContactConstraint::Guided { slope: held.slopes[i], state },
             };
             self.problem.free[i] = [
                 contact.normal.dot(&response.acceleration),
-                contact.tangent.dot(&response.acceleration) - push.slider_acceleration[i],
+                contact.tangent.dot(&response.acceleration) - load.slider_acceleration[i],
             ];
         }
-        self.problem.solve(kept.states)?;
+        self.problem.solve(held.states)?;
         response.forces.copy_from_slice(&self.problem.forces);
         self.add_contact_accelerations(response);
         Ok(())
     }
 
     /// Writes the accelerations without contact forces.
-    pub(super) fn push(&self, push: AppliedLoad<'_>, response: &mut ConstrainedResponse) {
+    pub(super) fn accelerate_freely(
+        &self,
+        load: AppliedLoad<'_>,
+        response: &mut ConstrainedResponse,
+    ) {
         for (row, acceleration) in response.acceleration.iter_mut().enumerate() {
-            *acceleration = self.inverse_mass.row_times(row, push.force);
+            *acceleration = self.inverse_mass.row_times(row, load.force);
         }
     }
 
@@ -186,7 +190,7 @@ impl Dynamics {
             let held =
                 (self.constraint_of)(inputs.friction[i], slip, inputs.slider_velocity[i], before);
             let slipping = |direction| held.slipping(direction);
-            self.problem.constraint[i] = match (states[i], states[i].sliding_direction()) {
+            self.problem.constraints[i] = match (states[i], states[i].sliding_direction()) {
                 (ContactState::Detached, _) => ContactConstraint::Open,
                 (ContactState::Stick, _) => held,
                 _ if slip == 0.0 => held,

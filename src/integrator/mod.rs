@@ -1,4 +1,4 @@
-//! Time integration: an immutable integrator moves a mutable [`Motion`] under a [`Inputs`].
+//! Time integration: an immutable integrator moves a mutable [`Motion`] under [`Inputs`].
 //!
 //! [`choose`] picks the integrator once, from the structure of the model; the steps then test no option.
 
@@ -209,7 +209,7 @@ pub struct AppliedLoad<'a> {
     pub slider_acceleration: &'a [f64],
 }
 
-/// Contact forces and accelerations that a [`AppliedLoad`] causes.
+/// Contact forces and accelerations that an [`AppliedLoad`] causes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstrainedResponse {
     /// Forces (N, T) of each contact, N.
@@ -305,15 +305,15 @@ pub trait Integrator: Send {
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure>;
 
-    /// Computes the response of contacts that keep their states to a push. The response is linear: forces give contact
+    /// Computes the response of contacts that keep their states to an applied load. The response is linear: forces give contact
     /// forces and accelerations, changes of forces give their changes, and rates give their rates.
     ///
     /// # Errors
     /// Returns the contact whose forces were not found.
     fn respond(
         &mut self,
-        kept: HeldStates<'_>,
-        push: AppliedLoad<'_>,
+        held: HeldStates<'_>,
+        load: AppliedLoad<'_>,
         response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure>;
 
@@ -372,7 +372,7 @@ pub fn choose_with_ledger(
 ) -> Result<Box<dyn Integrator>, Error> {
     use forward_increment::WithLedger;
     if method == Method::EventDriven {
-        return Ok(Box::new(EventDriven::with_witness(model, event_driven::Writer::new(model))?));
+        return Ok(Box::new(EventDriven::with_observer(model, event_driven::Writer::new(model))?));
     }
     Ok(Box::new(WithLedger::new(choose(model, method)?, model)))
 }

@@ -69,7 +69,7 @@ impl ContactConstraint {
         }
     }
 
-    /// This freedom with lower limits of the friction that holds the contact: each is reduced by `part` of itself.
+    /// This constraint with lower limits of the friction that holds the contact: each is reduced by `part` of itself.
     pub(in crate::integrator) fn below_limits(self, part: f64) -> Self {
         let below = |range: FrictionRange| FrictionRange {
             backward: (1.0 - part) * range.backward,
@@ -83,7 +83,7 @@ impl ContactConstraint {
         }
     }
 
-    /// This freedom once the contact slips, with friction in this direction (±1).
+    /// This constraint once the contact slips, with friction in this direction (±1).
     pub(in crate::integrator) fn slipping(self, direction: f64) -> Self {
         match self {
             Self::Law(range) => Self::Slipping { direction, friction: range.kinetic },
@@ -97,12 +97,12 @@ impl ContactConstraint {
     }
 }
 
-/// Returns the freedom of a contact from its friction, its slip velocity (m/s), the velocity of its surface (m/s), and
+/// Returns the constraint of a contact from its friction, its slip velocity (m/s), the velocity of its surface (m/s), and
 /// its state before.
 pub(in crate::integrator) type ConstraintOf =
     fn(Friction, f64, f64, ContactState) -> ContactConstraint;
 
-/// The freedom of contacts under this law.
+/// The constraint of contacts under this law.
 pub(in crate::integrator) fn constraint_of(law: ContactLaw) -> ConstraintOf {
     law.friction.apply(law.sticking, Choice { detachment: law.detachment })
 }

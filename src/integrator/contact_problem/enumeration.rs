@@ -197,7 +197,7 @@ impl ContactProblem {
     pub(super) fn is_enumerable(&self, group: usize) -> bool {
         let has_none = |i: &usize| {
             matches!(
-                self.constraint[*i],
+                self.constraints[*i],
                 ContactConstraint::Fixed | ContactConstraint::Guided { .. }
             )
         };
@@ -274,7 +274,7 @@ impl ContactProblem {
     /// The possible states of a contact.
     pub(super) fn possible(&self, contact: usize) -> &'static [ContactState] {
         use ContactState::{Detached, ReverseSlide, Slide, Stick};
-        match self.constraint[contact] {
+        match self.constraints[contact] {
             ContactConstraint::Law(_) => &[Stick, Slide, ReverseSlide, Detached],
             ContactConstraint::Slipping { direction, .. } if direction > 0.0 => &[Slide, Detached],
             ContactConstraint::Slipping { .. } => &[ReverseSlide, Detached],
@@ -322,18 +322,18 @@ impl ContactProblem {
     /// Writes the conditions of the present states of the first `chosen` contacts, and the necessary conditions of the
     /// law of the others.
     fn write_program(&mut self, group: usize, chosen: usize) {
-        let Self { enumeration, delassus, constraint, states, pulls, .. } = self;
+        let Self { enumeration, delassus, constraints, states, pulls, .. } = self;
         enumeration.unknowns.clear();
         enumeration.rows.clear();
         for (place, &contact) in delassus.groups()[group].iter().enumerate() {
             if place >= chosen {
-                enumeration.ask_least(contact, &constraint[contact]);
+                enumeration.ask_least(contact, &constraints[contact]);
                 continue;
             }
             let LinearProgram { unknowns, rows, .. } = &mut *enumeration;
             let state = states[contact];
-            let sign = constraint[contact].sign(pulls[contact]);
-            match (&constraint[contact], state) {
+            let sign = constraints[contact].sign(pulls[contact]);
+            match (&constraints[contact], state) {
                 (ContactConstraint::Open, _) => {}
                 (_, ContactState::Detached) => {
                     unknowns.push(Unknown::Rest { row: rows.len() });

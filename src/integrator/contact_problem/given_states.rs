@@ -19,7 +19,7 @@ pub(in crate::integrator) enum StateEquations {
 }
 
 impl StateEquations {
-    /// The demand on a contact with this block of W, in this state, with T/N in `range`.
+    /// The equations of a contact with this block of W, in this state, with T/N in `range`.
     pub(in crate::integrator) fn of(
         state: ContactState,
         range: &FrictionRange,
@@ -47,8 +47,8 @@ struct UnknownMultiplier {
 
 /// λ of given contact states as a linear function of the accelerations without contact forces.
 pub(in crate::integrator) struct GivenStates {
-    /// The demand on each contact for which the equations of its group were last made.
-    demands: Vec<StateEquations>,
+    /// The equations of each contact from which those of its group were last made.
+    equations: Vec<StateEquations>,
     groups: Vec<EquationGroup>,
 }
 
@@ -75,7 +75,7 @@ impl GivenStates {
             }
         };
         Self {
-            demands: vec![StateEquations::Nothing; delassus.contacts()],
+            equations: vec![StateEquations::Nothing; delassus.contacts()],
             groups: delassus.groups().iter().map(group).collect(),
         }
     }
@@ -85,20 +85,20 @@ impl GivenStates {
         self.groups.len()
     }
 
-    /// Sets the demand on each contact of a group. Where two contacts hold one mass and one of them would suffice, one
+    /// Sets the equations of each contact of a group. Where two contacts hold one mass and one of them would suffice, one
     /// carries nothing: the motion is the same for either choice.
     pub(in crate::integrator) fn set(
         &mut self,
         delassus: &Delassus,
         group: usize,
-        demand: impl Fn(usize) -> StateEquations,
+        equations: impl Fn(usize) -> StateEquations,
     ) {
         let EquationGroup { contacts, is_set, unknowns, factors, .. } = &mut self.groups[group];
         let mut is_known = *is_set;
         for &contact in &*contacts {
-            let demand = demand(contact);
-            is_known &= self.demands[contact] == demand;
-            self.demands[contact] = demand;
+            let wanted = equations(contact);
+            is_known &= self.equations[contact] == wanted;
+            self.equations[contact] = wanted;
         }
         if is_known {
             return;
@@ -106,7 +106,7 @@ impl GivenStates {
         *is_set = true;
         unknowns.clear();
         for &contact in &*contacts {
-            match self.demands[contact] {
+            match self.equations[contact] {
                 StateEquations::Nothing => {}
                 StateEquations::Normal { slope } => {
                     unknowns.push(UnknownMultiplier { contact, row: 0, slope });
@@ -133,13 +133,13 @@ impl GivenStates {
         );
     }
 
-    /// Sets the demands on all contacts, as [`set`](Self::set) does for one group.
+    /// Sets the equations of all contacts, as [`set`](Self::set) does for one group.
     pub(in crate::integrator) fn set_all(
         &mut self,
         delassus: &Delassus,
-        demand: impl Fn(usize) -> StateEquations,
+        equations: impl Fn(usize) -> StateEquations,
     ) {
-        (0..self.groups()).for_each(|group| self.set(delassus, group, &demand));
+        (0..self.groups()).for_each(|group| self.set(delassus, group, &equations));
     }
 
     /// `true` if a group has as many independent equations as unknowns.
@@ -154,7 +154,7 @@ impl GivenStates {
 
     /// T/N of a contact without an independent friction force; zero for any other.
     pub(in crate::integrator) fn slope(&self, contact: usize) -> f64 {
-        match self.demands[contact] {
+        match self.equations[contact] {
             StateEquations::Normal { slope } => slope,
             StateEquations::Nothing | StateEquations::Both => 0.0,
         }

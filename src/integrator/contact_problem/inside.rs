@@ -18,9 +18,9 @@ const FALLS: f64 = 0.125;
 const MOST_CONTACTS: usize = 32;
 
 impl ContactProblem {
-    /// Looks for forces of a group in these states, under these freedoms, that are as far inside the limits of the law
+    /// Looks for forces of a group in these states, under these constraints, that are as far inside the limits of the law
     /// as possible, to a factor of eight; `true` if some were found. Otherwise the forces stay as they were; states and
-    /// freedoms are those given.
+    /// constraints are those given.
     pub(in crate::integrator) fn solve_inside(
         &mut self,
         group: usize,
@@ -34,7 +34,7 @@ impl ContactProblem {
         let mut size = 0.0_f64;
         for &contact in &self.delassus.groups()[group] {
             self.states[contact] = states[contact];
-            self.constraint[contact] = constraint(contact);
+            self.constraints[contact] = constraint(contact);
             self.swept[contact] = self.forces[contact];
             self.unpressed[contact] = self.free[contact];
             let own = self.delassus.own(contact);
@@ -65,7 +65,7 @@ impl ContactProblem {
     /// load; the sum of both is inside the limits of the law. Returns `true` if there are such forces.
     fn press(&mut self, group: usize, least: f64) -> bool {
         for &contact in &self.delassus.groups()[group] {
-            self.corrections[contact] = match (self.states[contact], &self.constraint[contact]) {
+            self.corrections[contact] = match (self.states[contact], &self.constraints[contact]) {
                 (ContactState::Detached, _) => [0.0; 2],
                 (_, ContactConstraint::Slipping { direction, friction }) => {
                     [least, direction * friction * least]

@@ -195,14 +195,14 @@ impl ContactProblem {
     /// are wider by a part of the largest free acceleration; `false` where a contact's law is not a complementarity
     /// condition.
     fn tabulate(&mut self, group: usize, wider: f64) -> bool {
-        let Self { lemke, delassus, constraint, free, .. } = self;
+        let Self { lemke, delassus, constraints, free, .. } = self;
         let largest = delassus.groups()[group].iter().fold(0.0, |largest, &contact| {
             let ([normal, tangential], [n, t]) = (delassus.scales(contact), free[contact]);
             f64::max(largest, (n * normal).abs().max((t * tangential).abs()))
         });
         lemke.parts.clear();
         for &contact in &delassus.groups()[group] {
-            match &constraint[contact] {
+            match &constraints[contact] {
                 ContactConstraint::Open => {}
                 ContactConstraint::Slipping { .. } => {
                     lemke.parts.push((contact, LemkeVariable::Normal));
@@ -239,20 +239,23 @@ impl ContactProblem {
         lemke.entries.clear();
         let scales = |contact: usize| delassus.scales(contact);
         // 1/f or 1/b, in these units.
-        let inverse_limit = |contact: usize, part: LemkeVariable| match (&constraint[contact], part)
-        {
-            (ContactConstraint::Law(range), LemkeVariable::Forward | LemkeVariable::Backward) => {
-                let [normal, tangential] = scales(contact);
-                let limit =
-                    if part == LemkeVariable::Forward { range.forward } else { range.backward };
-                tangential / (normal * limit)
-            }
-            _ => 0.0,
-        };
+        let inverse_limit =
+            |contact: usize, part: LemkeVariable| match (&constraints[contact], part) {
+                (
+                    ContactConstraint::Law(range),
+                    LemkeVariable::Forward | LemkeVariable::Backward,
+                ) => {
+                    let [normal, tangential] = scales(contact);
+                    let limit =
+                        if part == LemkeVariable::Forward { range.forward } else { range.backward };
+                    tangential / (normal * limit)
+                }
+                _ => 0.0,
+            };
         // The force (N, T) of a unit of an unknown; the same factors weigh accelerations.
         let unit = |(contact, part): (usize, LemkeVariable)| -> [f64; 2] {
             let [normal, tangential] = scales(contact);
-            match (part, &constraint[contact]) {
+            match (part, &constraints[contact]) {
                 (LemkeVariable::Normal, &ContactConstraint::Slipping { direction, friction }) => {
                     [normal, direction * friction * normal]
                 }
@@ -304,7 +307,7 @@ impl ContactProblem {
 
     /// The state of a contact after the last pivots.
     fn pivoted_state(&self, contact: usize) -> ContactState {
-        let ContactConstraint::Law(range) = &self.constraint[contact] else {
+        let ContactConstraint::Law(range) = &self.constraints[contact] else {
             let presses = self.lemke.value(contact, LemkeVariable::Normal).is_some();
             return if presses { ContactState::Slide } else { ContactState::Detached };
         };

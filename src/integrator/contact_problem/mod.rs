@@ -59,7 +59,7 @@ pub(super) struct ContactProblem {
     /// The accelerations that the contacts would have without their forces, m/s².
     pub(super) free: Vec<[f64; 2]>,
     /// The constraint of each contact: its law, or one of its states.
-    pub(super) constraint: Vec<ContactConstraint>,
+    pub(super) constraints: Vec<ContactConstraint>,
     /// The solution λ.
     pub(super) forces: Vec<[f64; 2]>,
     /// The states that belong to the solution.
@@ -103,7 +103,7 @@ impl ContactProblem {
             enumeration: LinearProgram::with_room(largest),
             delassus,
             free: vec![[0.0; 2]; contacts],
-            constraint: vec![ContactConstraint::Open; contacts],
+            constraints: vec![ContactConstraint::Open; contacts],
             forces: vec![[0.0; 2]; contacts],
             states: vec![ContactState::Detached; contacts],
             pulls: vec![false; contacts],
@@ -178,14 +178,14 @@ impl ContactProblem {
         let mut sweeps = 0;
         self.has_blurred = false;
         loop {
-            let (solved, release_to_kinetic_friction): (_, fn(&mut Self, usize) -> bool) =
+            let (solved, release): (_, fn(&mut Self, usize) -> bool) =
                 match self.solve_group_once(group) {
                     Ok(taken) => (Ok(taken), Self::release_to_kinetic_friction),
                     Err(failure) => (Err(failure), Self::release_both_directions),
                 };
             let mut any = false;
             for place in 0..self.delassus.groups()[group].len() {
-                any |= release_to_kinetic_friction(self, self.delassus.groups()[group][place]);
+                any |= release(self, self.delassus.groups()[group][place]);
             }
             match solved {
                 Ok(taken) => sweeps += taken,
@@ -204,14 +204,14 @@ impl ContactProblem {
     fn release_to_kinetic_friction(&mut self, contact: usize) -> bool {
         let direction = self.states[contact].sliding_direction();
         direction.is_some_and(|direction| {
-            self.constraint[contact].release_to_kinetic_friction(direction)
+            self.constraints[contact].release_to_kinetic_friction(direction)
         })
     }
 
     /// Replaces the static limits of a contact by its kinetic friction in both directions; `true` if that changes a
     /// limit.
     fn release_both_directions(&mut self, contact: usize) -> bool {
-        let constraint = &mut self.constraint[contact];
+        let constraint = &mut self.constraints[contact];
         constraint.release_to_kinetic_friction(1.0) | constraint.release_to_kinetic_friction(-1.0)
     }
 
@@ -354,7 +354,7 @@ impl ContactProblem {
             normal += w[0] * n + w[1] * t;
             tangential += w[2] * n + w[3] * t;
         }
-        let solution = match &self.constraint[contact] {
+        let solution = match &self.constraints[contact] {
             ContactConstraint::Law(range) => local.solve([normal, tangential], range),
             ContactConstraint::Open => Some(LocalSolution::OPEN),
             &ContactConstraint::Slipping { direction, friction } => {

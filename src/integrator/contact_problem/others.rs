@@ -64,7 +64,7 @@ impl ContactProblem {
         }
         let mut is_known = true;
         for &contact in contacts {
-            let limit = match &self.constraint[contact] {
+            let limit = match &self.constraints[contact] {
                 ContactConstraint::Law(range) => range.forward.max(range.backward),
                 ContactConstraint::Slipping { friction, .. } => *friction,
                 _ => 0.0,

@@ -43,7 +43,7 @@ pub(super) struct Acceleration {
 }
 
 impl ContactProblem {
-    /// Solves a group in the present states, as far as its freedom allows them; `true` if the forces obey the law.
+    /// Solves a group in the present states, as far as its constraints allow them; `true` if the forces obey the law.
     pub(super) fn solve_states(&mut self, group: usize, strictness: Strictness) -> bool {
         self.clear(group);
         self.take_states(group);
@@ -70,7 +70,7 @@ impl ContactProblem {
     }
 
     pub(super) fn is_held(&self, contact: usize) -> bool {
-        self.constraint[contact].is_held()
+        self.constraints[contact].is_held()
     }
 
     /// Sets the signs of contacts that pull from the present forces.
@@ -89,7 +89,7 @@ impl ContactProblem {
                 _ if direction > 0.0 => ContactState::Slide,
                 _ => ContactState::ReverseSlide,
             };
-            self.states[contact] = match self.constraint[contact] {
+            self.states[contact] = match self.constraints[contact] {
                 ContactConstraint::Law(_) => state,
                 ContactConstraint::Open => ContactState::Detached,
                 ContactConstraint::Slipping { direction, .. } => slides(direction),
@@ -99,19 +99,19 @@ impl ContactProblem {
                     ContactState::Stick
                 }
                 ContactConstraint::Held(_) => state,
-                ContactConstraint::HeldSlipping { .. } => self.constraint[contact].closed_state(),
+                ContactConstraint::HeldSlipping { .. } => self.constraints[contact].closed_state(),
             };
         }
-        let Self { given, delassus, constraint, states, pulls, .. } = self;
+        let Self { given, delassus, constraints, states, pulls, .. } = self;
         given.set(delassus, group, |contact| {
             let own = delassus.local(contact);
-            let demand = |range: &FrictionRange| StateEquations::of(states[contact], range, own);
-            match &constraint[contact] {
-                ContactConstraint::Law(range) => demand(range),
+            let equations = |range: &FrictionRange| StateEquations::of(states[contact], range, own);
+            match &constraints[contact] {
+                ContactConstraint::Law(range) => equations(range),
                 &ContactConstraint::Slipping { friction, .. } => {
-                    demand(&FrictionRange::of(friction))
+                    equations(&FrictionRange::of(friction))
                 }
-                ContactConstraint::Fixed => demand(&FrictionRange::of(f64::INFINITY)),
+                ContactConstraint::Fixed => equations(&FrictionRange::of(f64::INFINITY)),
                 &ContactConstraint::Guided { slope, .. } => StateEquations::Normal { slope },
                 ContactConstraint::Held(range) => held(states[contact], range, own, pulls[contact]),
                 &ContactConstraint::HeldSlipping { friction, .. } => {
@@ -164,7 +164,7 @@ impl ContactProblem {
             self.pulls[contact] = normal < 0.0;
             normal = normal.abs();
         }
-        let limits = match &self.constraint[contact] {
+        let limits = match &self.constraints[contact] {
             ContactConstraint::Law(range) | ContactConstraint::Held(range) => {
                 [range.backward, range.forward]
             }
@@ -244,9 +244,9 @@ impl ContactProblem {
             let is_held = |row: usize| value[row].abs() <= missed * terms[row];
             // The rounding of the acceleration in terms of the normal force.
             let nothing = room * terms[0] / self.delassus.own(contact)[0];
-            let sign = self.constraint[contact].sign(self.pulls[contact]);
+            let sign = self.constraints[contact].sign(self.pulls[contact]);
             let presses = || is_held(0) && is_above(sign * normal, nothing);
-            match (&self.constraint[contact], self.states[contact]) {
+            match (&self.constraints[contact], self.states[contact]) {
                 (ContactConstraint::Open, _) => true,
                 (ContactConstraint::Fixed, _) => is_held(0) && is_held(1),
                 (ContactConstraint::Guided { .. }, _) => is_held(0),
@@ -275,7 +275,7 @@ impl ContactProblem {
     }
 }
 
-/// The demand on a contact that is held in both directions and pulls or presses.
+/// The equations of a contact that is held in both directions and pulls or presses.
 fn held(
     state: ContactState,
     range: &FrictionRange,

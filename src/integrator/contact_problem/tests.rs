@@ -8,7 +8,7 @@ use proptest::prelude::*;
 fn with_law(rows: &[f64], friction: f64) -> ContactProblem {
     let contacts = rows.len().isqrt() / 2;
     let mut problem = ContactProblem::new(Delassus::from_rows(contacts, rows));
-    problem.constraint.fill(ContactConstraint::Law(FrictionRange::of(friction)));
+    problem.constraints.fill(ContactConstraint::Law(FrictionRange::of(friction)));
     problem
 }
 
@@ -92,7 +92,7 @@ fn a_load_that_one_of_two_surfaces_can_just_hold_is_shared_inside_the_limits_of_
         [cos * normal - sin * tangential, sin * normal + cos * tangential],
     ];
     problem.solve(&[Stick; 2]).unwrap();
-    let constraint = problem.constraint[0];
+    let constraint = problem.constraints[0];
     assert!(problem.solve_inside(0, &[Stick; 2], |_| constraint));
     for [normal, tangential] in &problem.forces {
         assert!(*normal > 1.0 && tangential.abs() < 0.19 * normal, "{:?}", problem.forces);
@@ -108,7 +108,7 @@ fn a_load_at_the_limit_of_all_contacts_has_no_share_inside() {
     let mut problem = with_law(&redundant(), 0.5);
     problem.free = vec![[-2.0, 1.0]; 2];
     problem.forces = vec![[2.0, -1.0], [0.0, 0.0]];
-    let constraint = problem.constraint[0];
+    let constraint = problem.constraints[0];
     assert!(!problem.solve_inside(0, &[Stick; 2], |_| constraint));
     // They stay as they were.
     assert_eq!(problem.forces, [[2.0, -1.0], [0.0, 0.0]]);
@@ -150,7 +150,7 @@ fn forces_that_grow_from_sweep_to_sweep_are_solved_at_once() {
         3.0, 0.0, 0.0, 9.5,
     ];
     let mut problem = with_law(&rows, 0.5);
-    problem.constraint = vec![ContactConstraint::Slipping { direction: -1.0, friction: 0.5 }; 2];
+    problem.constraints = vec![ContactConstraint::Slipping { direction: -1.0, friction: 0.5 }; 2];
     problem.free = vec![[-1.0, 0.0]; 2];
     // N₁ − 1.5 N₂ = 1 and N₂ − 1.5 N₁ = 1 have no solution above zero, nor has one of the two contacts alone.
     let failure = problem.solve(&[ReverseSlide; 2]).unwrap_err();
@@ -175,7 +175,7 @@ fn that_a_contact_jams_beside_too_many_others_proves_nothing() {
             (rows[(one, next)], rows[(next, one)]) = (1e-3, 1e-3);
         }
         let mut problem = with_law(rows.as_slice(), 0.2);
-        problem.constraint[0] = ContactConstraint::Slipping { direction: 1.0, friction: 3.0 };
+        problem.constraints[0] = ContactConstraint::Slipping { direction: 1.0, friction: 3.0 };
         problem.free = vec![[-1.0, 0.0]; contacts];
         problem.solve(&vec![Stick; contacts]).unwrap_err()
     };
@@ -244,7 +244,7 @@ fn a_mass_that_two_surfaces_hold_and_cannot_open_from_is_solved_at_once() {
     for (pull, velocity) in TwoSurfaces::pulls() {
         for slips in [false, true] {
             let mut problem = held.problem(pull, 100.0 * velocity);
-            problem.constraint.fill(if slips {
+            problem.constraints.fill(if slips {
                 ContactConstraint::HeldSlipping { direction: velocity, friction }
             } else {
                 ContactConstraint::Held(FrictionRange::of(friction))
@@ -286,7 +286,7 @@ fn of_the_signs_of_held_contacts_that_have_forces_the_present_ones_stay() {
         for signs in have_forces {
             let mut problem = held.problem(pull, 0.0);
             problem
-                .constraint
+                .constraints
                 .fill(ContactConstraint::HeldSlipping { direction: velocity, friction });
             problem.pulls = signs.map(|sign| sign < 0.0).to_vec();
             problem.solve(&[Slide; 2]).unwrap();
@@ -307,7 +307,7 @@ fn of_several_solutions_the_present_one_goes_on() {
     let dot = |a: [f64; 2], b: [f64; 2]| (a[0] * b[0] + a[1] * b[1]) / mass;
     let rows: Vec<f64> = directions.iter().flat_map(|a| directions.map(|b| dot(*a, b))).collect();
     let mut problem = with_law(&rows, friction);
-    problem.constraint = vec![
+    problem.constraints = vec![
         ContactConstraint::Slipping { direction: 1.0, friction },
         ContactConstraint::Slipping { direction: -1.0, friction },
     ];
@@ -327,7 +327,7 @@ fn static_friction_that_jams_a_contact_does_not_hold_it() {
     let rows = [cos * cos, cos * sin, cos * sin, sin * sin];
     let mut problem = with_law(&rows, 1.0);
     let range = FrictionRange { backward: 2.0, forward: 2.0, kinetic: 1.0 };
-    problem.constraint = vec![ContactConstraint::Law(range)];
+    problem.constraints = vec![ContactConstraint::Law(range)];
     problem.free = vec![[-3.0 * cos, -3.0 * sin + 0.4]];
     problem.solve(&[Stick]).unwrap();
     let pressed = 3.0 / (cos - sin);
@@ -400,7 +400,7 @@ impl RandomContacts {
         let symmetric = 0.5 * (&self.delassus + self.delassus.transpose());
         let rows: Vec<f64> = symmetric.transpose().iter().copied().collect();
         let mut problem = with_law(&rows, 0.0);
-        for (constraint, friction) in problem.constraint.iter_mut().zip(&self.friction) {
+        for (constraint, friction) in problem.constraints.iter_mut().zip(&self.friction) {
             *constraint = ContactConstraint::Law(FrictionRange::of(*friction));
         }
         problem.free = self.free.as_slice().chunks(2).map(|free| [free[0], free[1]]).collect();
@@ -562,7 +562,7 @@ fn many_contacts_that_jam_are_proven_to_have_no_forces() {
         }
     }
     let mut problem = with_law(&rows, 1.0);
-    problem.constraint.fill(ContactConstraint::Slipping { direction: 1.0, friction: 1.0 });
+    problem.constraints.fill(ContactConstraint::Slipping { direction: 1.0, friction: 1.0 });
     problem.free.fill([-1.0, 0.0]);
     assert!(matches!(problem.solve(&[Slide; COUNT]), Err(StepFailure::Wedged { .. })));
     // Pulled away they are free.

@@ -145,7 +145,7 @@ impl<W: MotionObserver> EventDriven<W> {
         let surfaces = if law.is_frozen() { &self.heading } else { &self.surface };
         for (i, contact) in contacts.iter().enumerate() {
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
-            problem.constraint[i] = match self.closed[i] {
+            problem.constraints[i] = match self.closed[i] {
                 ContactState::Detached => ContactConstraint::Open,
                 _ => {
                     constraint_of(inputs.friction[i], -tangential, surfaces[i], motion.contacts[i])

@@ -188,8 +188,8 @@ impl StateLaw {
     pub(super) fn respond(
         &mut self,
         dynamics: &Dynamics,
-        kept: HeldStates<'_>,
-        push: AppliedLoad<'_>,
+        held: HeldStates<'_>,
+        load: AppliedLoad<'_>,
         response: &mut ConstrainedResponse,
     ) {
         let along = |(state, slope): (&ContactState, &f64)| match state.sliding_direction() {
@@ -197,13 +197,13 @@ impl StateLaw {
             // Static friction without a limit.
             None => Friction::from(f64::INFINITY),
         };
-        let friction: Vec<Friction> = kept.states.iter().zip(kept.slopes).map(along).collect();
-        self.set(dynamics, kept.states, &friction);
-        dynamics.push(push, response);
+        let friction: Vec<Friction> = held.states.iter().zip(held.slopes).map(along).collect();
+        self.set(dynamics, held.states, &friction);
+        dynamics.accelerate_freely(load, response);
         let ConstrainedResponse { forces, acceleration } = response;
         let free = |i: usize, part| match part {
             0 => dynamics.contacts[i].normal.dot(acceleration),
-            _ => dynamics.contacts[i].tangent.dot(acceleration) - push.slider_acceleration[i],
+            _ => dynamics.contacts[i].tangent.dot(acceleration) - load.slider_acceleration[i],
         };
         self.held.all_forces(free, forces);
         dynamics.add_contact_accelerations(response);

@@ -1,5 +1,5 @@
-//! Energy ledger of event-driven motion: the events that [`EventDriven`](super::EventDriven) reports to a witness, and
-//! the witness that writes a ledger.
+//! Energy ledger of event-driven motion: the events that [`EventDriven`](super::EventDriven) reports to an observer,
+//! and the observer that writes a ledger.
 
 use super::series::{ORDER, Polynomial, Series, index};
 use crate::contact::ContactState;
@@ -45,7 +45,7 @@ pub struct Impact<'a> {
 pub trait MotionObserver: Send {
     fn passes(&mut self, segment: Segment<'_>, motion: &mut Motion);
 
-    fn is_struck(&mut self, strike: Impact<'_>, motion: &mut Motion);
+    fn is_struck(&mut self, impact: Impact<'_>, motion: &mut Motion);
 
     /// Sees the velocities before (`sign` 1) and after (−1) hops are ended.
     fn sees_hops_end(&mut self, motion: &mut Motion, sign: f64);

@@ -252,12 +252,12 @@ impl EventDriven {
     /// # Errors
     /// Returns an error if the mass matrix is not positive definite, or if too many contacts share masses.
     pub fn new(model: &LumpedModel) -> Result<Self, Error> {
-        Self::with_witness(model, ())
+        Self::with_observer(model, ())
     }
 }
 
 impl<W: MotionObserver> EventDriven<W> {
-    pub(super) fn with_witness(model: &LumpedModel, observer: W) -> Result<Self, Error> {
+    pub(super) fn with_observer(model: &LumpedModel, observer: W) -> Result<Self, Error> {
         let about = model.law.friction.info();
         if !about.is_constant() {
             return Err(Error::scene(format!(
@@ -544,7 +544,7 @@ impl<W: MotionObserver> EventDriven<W> {
         motion.statistics.other_solutions += u64::from(has_others);
     }
 
-    /// Sets up the contact problem in accelerations at this instant, with the freedom that the events leave to
+    /// Sets up the contact problem in accelerations at this instant, with the constraints that the events leave to
     /// contacts. `landed`: an impact has been solved, before which the motion had this `speed` (m/s).
     fn set_up_contact_problem(
         &mut self,
@@ -572,7 +572,7 @@ impl<W: MotionObserver> EventDriven<W> {
             let still = NOISE * speed.max(self.surface_speed[i]);
             let slipping = |direction| held.slipping(direction);
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
-            problem.constraint[i] = match (self.events[i], motion.contacts[i]) {
+            problem.constraints[i] = match (self.events[i], motion.contacts[i]) {
                 (Some(Event::Lift), _) | (None, ContactState::Detached) => ContactConstraint::Open,
                 // An impact may throw other contacts off, and changes the slip of all.
                 _ if landed && self.kept[i] == ContactState::Detached => ContactConstraint::Open,
@@ -631,17 +631,17 @@ impl<W: MotionObserver> EventDriven<W> {
             if !turns {
                 continue;
             }
-            let held = problem.constraint[i];
+            let held = problem.constraints[i];
             let slips = |problem: &ContactProblem| problem.states[i] != ContactState::Stick;
-            problem.constraint[i] = held.below_limits(AT_LIMIT);
+            problem.constraints[i] = held.below_limits(AT_LIMIT);
             if problem.solve(&self.likely).is_ok() && slips(problem) {
                 continue;
             }
-            problem.constraint[i] = ContactConstraint::Open;
+            problem.constraints[i] = ContactConstraint::Open;
             if problem.solve(&self.likely).is_ok() && problem.stays_open(i) {
                 continue;
             }
-            problem.constraint[i] = held;
+            problem.constraints[i] = held;
             motion.statistics.count_sweeps(problem.solve(&self.likely)?);
         }
         Ok(())
@@ -728,7 +728,7 @@ impl<W: MotionObserver> EventDriven<W> {
                 Some(Event::Stop) if again && none_opens && new == state => ContactState::Stick,
                 // Rounding may also hide an opening: a contact that closes repeatedly where it opened stays closed.
                 _ if opens && (MOST_OPENINGS + 1..=MOST_TOUCHES).contains(&self.repeats[i]) => {
-                    self.dynamics.problem.constraint[i].closed_state()
+                    self.dynamics.problem.constraints[i].closed_state()
                 }
                 _ => new,
             };
@@ -782,11 +782,11 @@ impl<W: MotionObserver> Integrator for EventDriven<W> {
 
     fn respond(
         &mut self,
-        kept: HeldStates<'_>,
-        push: AppliedLoad<'_>,
+        held: HeldStates<'_>,
+        load: AppliedLoad<'_>,
         response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
-        self.series.law.respond(&self.dynamics, kept, push, response);
+        self.series.law.respond(&self.dynamics, held, load, response);
         Ok(())
     }
 

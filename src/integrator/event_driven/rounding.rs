@@ -5,7 +5,7 @@
 //! over a series of span τ (s) with the powers c_k (m); |c_k|∞ is the largest of one power.
 //!
 //! ```text
-//! d   = 2^min(n − 2, 12) for n > 2, else 1; n: events that the contact has had at this instant     [doubt]
+//! d   = 2^min(n − 2, 12) for n > 2, else 1; n: events that the contact has had at this instant     [rounding_factor]
 //! A   = 2 |c_2|∞ / τ²                        largest acceleration at the beginning, m/s²
 //! L_r = Σ_j |G_r M⁻¹ K|_j |x_j|              magnitudes of the spring terms along r = N or T, m/s²
 //! A_F                                        acceleration by outer forces, m/s²                    [driven]
@@ -63,8 +63,7 @@ const MOST_GROWTHS: u32 = 10;
 /// The opening velocity after an impact that is a hop of its own, as a part of the fastest velocity, for a contact that
 /// has landed this often in the present internal step, the present landing included.
 ///
-/// Contacts of one body throw each other off in ever smaller hops, infinitely many within a finite time. Followed
-/// down to
+/// Contacts of one body throw each other off in ever smaller hops, infinitely many within a finite time. Followed down to
 /// [`THROWN`], their number grows with a high power of the number of contacts. So hops that come after many others have
 /// to be larger: at the n-th landing in the step, [`THROWN`] · 4^min(n − 16, 10) for n > 16. A hop that is ended
 /// changes velocities by no more than its own; in a shorter step a contact lands less often, and fewer hops are

@@ -104,11 +104,11 @@ impl Integrator for WithLedger {
 
     fn respond(
         &mut self,
-        kept: HeldStates<'_>,
-        push: AppliedLoad<'_>,
+        held: HeldStates<'_>,
+        load: AppliedLoad<'_>,
         response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
-        self.integrator.respond(kept, push, response)
+        self.integrator.respond(held, load, response)
     }
 
     fn set_damping(&mut self, damping: Damping) {

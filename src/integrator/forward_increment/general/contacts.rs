@@ -58,7 +58,7 @@ impl Contacts {
         let contacts = self.places.len();
         let (before, slider) = (&motion.contacts[..contacts], &inputs.slider_velocity[..contacts]);
         let (friction, free) = (&inputs.friction[..contacts], &mut problem.free[..contacts]);
-        let constraint = &mut problem.constraint[..contacts];
+        let constraints = &mut problem.constraints[..contacts];
         for (i, place) in self.places.iter().enumerate() {
             let (mut normal, mut gap, mut approach) = (0.0, 0.0, 0.0);
             for &(dof, factor) in &self.parts[place.normal.clone()] {
@@ -78,7 +78,7 @@ impl Contacts {
                 _ => 0.0,
             };
             let slip = slip - slider[i];
-            constraint[i] = constraint_of(friction[i], -slip, slider[i], before[i]);
+            constraints[i] = constraint_of(friction[i], -slip, slider[i], before[i]);
             free[i] = [approach + (normal + gap / h) / h, drift + slip / h];
         }
         let follows_size = law.follows_size();

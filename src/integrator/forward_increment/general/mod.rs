@@ -257,11 +257,11 @@ impl<S: InternalForces + 'static> Integrator for GeneralScheme<S> {
 
     fn respond(
         &mut self,
-        kept: HeldStates<'_>,
-        push: AppliedLoad<'_>,
+        held: HeldStates<'_>,
+        load: AppliedLoad<'_>,
         response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
-        self.dynamics.respond(kept, push, response)
+        self.dynamics.respond(held, load, response)
     }
 
     fn multipliers(&self) -> Option<&[[f64; 2]]> {

@@ -218,21 +218,21 @@ impl Integrator for RingForwardIncrement {
 
     fn respond(
         &mut self,
-        kept: HeldStates<'_>,
-        push: AppliedLoad<'_>,
+        held: HeldStates<'_>,
+        load: AppliedLoad<'_>,
         response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
-        let modules = self.rings.blocks.iter().zip(push.force.as_chunks::<MODULE_DOFS>().0);
+        let modules = self.rings.blocks.iter().zip(load.force.as_chunks::<MODULE_DOFS>().0);
         let found =
             response.forces.iter_mut().zip(response.acceleration.as_chunks_mut::<MODULE_DOFS>().0);
         for (i, ((block, force), (out, acceleration))) in modules.zip(found).enumerate() {
-            let state = kept.states[i];
+            let state = held.states[i];
             let [tangent_mass, _] = block.mass;
             let normal = if state == ContactState::Detached { 0.0 } else { 0.0 - force[NORMAL] };
             let tangential = match state {
                 ContactState::Detached => 0.0,
-                ContactState::Stick => tangent_mass * push.slider_acceleration[i] - force[TANGENT],
-                ContactState::Slide | ContactState::ReverseSlide => kept.slopes[i] * normal,
+                ContactState::Stick => tangent_mass * load.slider_acceleration[i] - force[TANGENT],
+                ContactState::Slide | ContactState::ReverseSlide => held.slopes[i] * normal,
             };
             *out = [normal, tangential];
             let mut force = *force;
