@@ -115,7 +115,7 @@ impl Call {
     }
 
     /// FMI's requirement that a tolerated call breaks, as text for a message.
-    pub(super) fn wish(self) -> &'static str {
+    pub(super) fn requirement(self) -> &'static str {
         match self {
             Self::EnterUnprepared => "fmi2SetupExperiment first",
             Self::UnknownCategory => "a category of the model description",
@@ -187,7 +187,7 @@ mod tests {
     fn every_habit_says_what_fmi_wants() {
         for phase in PHASES {
             for call in entries(phase, Permission::Tolerated) {
-                assert_ne!(call.wish(), "another phase", "{call}");
+                assert_ne!(call.requirement(), "another phase", "{call}");
             }
         }
         // One bit is enough for each call.

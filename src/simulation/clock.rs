@@ -29,12 +29,12 @@ pub(super) struct StepPlan {
     /// Number of steps, and number of steps that have been taken.
     pub(super) count: u64,
     pub(super) done: u64,
-    /// Start of step 0 of the grid, s, and number of the leg's first step on this grid.
+    /// Start of step 0 of the grid, s, and number of the plan's first step on this grid.
     origin: f64,
     first: u64,
     /// Present time within the next step, s; `None` at its beginning.
     within: Option<f64>,
-    /// Clock at the end of the leg.
+    /// Clock at the end of the plan.
     pub(super) arrival: Clock,
 }
 
@@ -63,7 +63,7 @@ impl StepPlan {
         [self.within.unwrap_or_else(|| self.time(self.done)), self.time(self.done + 1)]
     }
 
-    /// Beginning of a step of the leg (from 0), s; for a `step` equal to the number of steps, the end of the leg.
+    /// Beginning of a step of the plan (from 0), s; for a `step` equal to the number of steps, the end of the plan.
     #[allow(clippy::cast_precision_loss)]
     fn time(&self, step: u64) -> f64 {
         if step == self.count {
@@ -125,7 +125,7 @@ impl Clock {
 
     /// Returns the steps to time `target`.
     ///
-    /// If the span from the last requested time is a whole multiple of `step`, the leg consists of that many steps on
+    /// If the span from the last requested time is a whole multiple of `step`, the plan consists of that many steps on
     /// the grid, to the point nearest to the target: every division of a run at points of the grid takes the same
     /// steps, and rounding errors of the times do not add up. Otherwise it is the smallest number of equal steps that
     /// are not longer than `step`, and a new grid starts at the target. `None` if the target lies in the past or is

@@ -106,7 +106,7 @@ impl Simulation {
         }
     }
 
-    /// Error for a leg that cannot be continued, for the given reason.
+    /// Error for a plan that cannot be continued, for the given reason.
     #[cold]
     pub(super) fn stopped(&self, error: &Error, plan: &StepPlan) -> Error {
         if plan.done == 0 {

@@ -162,7 +162,8 @@ impl Simulation {
         let mut inputs = Inputs::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
         let numbering = scene.network().map_or_else(Numbering::default, Numbering::of);
         if let Some(driven) = &driven {
-            inputs.waves = driven.waves(|variable| reach(&scene, &numbering, &model, variable));
+            inputs.waves =
+                driven.waves(|variable| input_effect(&scene, &numbering, &model, variable));
             integrator.expect_waves(inputs.waves.len());
         }
         let contact_forces = vec![ContactForce::detached(0.0); model.contacts.len()];
@@ -351,7 +352,7 @@ impl Simulation {
         Ok(plan)
     }
 
-    /// Brings everything up to date for the next steps of a leg. Returns the steps that can be taken without another
+    /// Brings everything up to date for the next steps of a plan. Returns the steps that can be taken without another
     /// update, if any are left.
     fn prepare(&mut self, plan: &StepPlan) -> Result<Option<Steps>, Error> {
         if plan.is_done() {
@@ -364,7 +365,7 @@ impl Simulation {
             let [time, end] = plan.next_step();
             edge = self.driven.as_ref().and_then(|driven| driven.edge_between(time, end));
             let end = edge.unwrap_or(end);
-            self.update_drive([time, end])?;
+            self.update_inputs([time, end])?;
             self.update_rates([time, end], length_to(edge, plan));
             self.check_limit(time)?;
             if let Some(driven) = &self.driven {
@@ -399,7 +400,7 @@ impl Simulation {
         if self.stale.contact_forces {
             let now = self.clock.grid_time(self.scene.step);
             // An impossible value of a signal is reported by the next step.
-            let _ = self.update_drive([now, now]);
+            let _ = self.update_inputs([now, now]);
             if let Some(driven) = &self.driven {
                 for (i, acceleration) in self.inputs.slider_acceleration.iter_mut().enumerate() {
                     *acceleration = driven.slider_acceleration(now, i);
@@ -416,7 +417,7 @@ impl Simulation {
     /// Brings drive and damping up to date for a step between these times (s). The drive is the change of the load
     /// since the reference, the contact forces that balanced it there, and the external forces; at the reference only
     /// the contacts' part is not zero.
-    fn update_drive(&mut self, span: [f64; 2]) -> Result<(), Error> {
+    fn update_inputs(&mut self, span: [f64; 2]) -> Result<(), Error> {
         let stale = &mut self.stale;
         let brought = match &mut self.driven {
             Some(driven) => {
@@ -516,7 +517,7 @@ struct Steps {
     edge: Option<f64>,
 }
 
-/// Length (s) of the next step of a leg, or of its part up to an edge.
+/// Length (s) of the next step of a plan, or of its part up to an edge.
 fn length_to(edge: Option<f64>, plan: &StepPlan) -> f64 {
     let [time, end] = plan.next_step();
     match edge {
@@ -527,7 +528,7 @@ fn length_to(edge: Option<f64>, plan: &StepPlan) -> f64 {
 }
 
 /// The degrees of freedom and contacts on which an input acts.
-fn reach(
+fn input_effect(
     scene: &Scene,
     numbering: &Numbering,
     model: &LumpedModel,

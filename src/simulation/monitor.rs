@@ -42,11 +42,11 @@ impl StabilityIndicator {
     }
 }
 
-/// Outlooks of the contact states that were visited, each computed once. They are computed when they are read, and do
-/// not affect the motion.
+/// Stability indicators of the contact states that were visited, each computed once. They are computed when they are
+/// read, and do not affect the motion.
 #[derive(Default)]
 pub(super) struct StabilityMonitor {
-    /// Friction of each contact: the outlooks also depend on it and on the damping, which may change during a run.
+    /// Friction of each contact: the indicators also depend on it and on the damping, which may change during a run.
     friction: Vec<SlidingFriction>,
     damping: Damping,
     dampers: Option<SparseMatrix>,
@@ -56,7 +56,7 @@ pub(super) struct StabilityMonitor {
 }
 
 impl StabilityMonitor {
-    /// Discards the outlooks if friction or damping has changed.
+    /// Discards the indicators if friction or damping has changed.
     fn keep_up(&mut self, linear: LinearModel<'_>) {
         let model = linear.model();
         let is_same = self.friction.iter().copied().eq(linear.friction())
@@ -71,7 +71,7 @@ impl StabilityMonitor {
         }
     }
 
-    /// The outlook of these contact states.
+    /// The indicator of these contact states.
     fn indicator(
         &mut self,
         model: LinearModel<'_>,
@@ -93,12 +93,12 @@ impl StabilityMonitor {
 }
 
 impl Simulation {
-    /// The outlook of the present contact states with the present friction and damping; zero in a scene that does not
-    /// request stability. It allocates memory if these states are new.
+    /// The stability indicator of the present contact states with the present friction and damping; zero in a scene
+    /// that does not request stability. It allocates memory if these states are new.
     ///
     /// # Errors
     /// Returns an error if the contact forces have no solution.
-    pub(super) fn indicator(&mut self) -> Result<StabilityIndicator, Error> {
+    pub(super) fn stability_indicator(&mut self) -> Result<StabilityIndicator, Error> {
         self.contact_forces()?;
         let Some(monitor) = &mut self.monitor else { return Ok(StabilityIndicator::default()) };
         let states = self.contact_forces.iter().map(|force| force.state);

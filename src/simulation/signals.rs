@@ -250,9 +250,9 @@ impl DrivenInputs {
 
     /// The sines that drive the motion; `reach` gives the effect of an input. Empty if the motion uses values at the
     /// ends of steps.
-    pub(super) fn waves(&self, reach: impl Fn(&Variable) -> InputEffect) -> Vec<Wave> {
+    pub(super) fn waves(&self, effect_of: impl Fn(&Variable) -> InputEffect) -> Vec<Wave> {
         let wave = |(variable, sine): (&Variable, &Sine)| {
-            let InputEffect { pushes, moves } = reach(variable);
+            let InputEffect { pushes, moves } = effect_of(variable);
             let pulsation = TAU * sine.frequency;
             Wave { amplitude: 0.0, pulsation, phase: 0.0, pushes, moves }
         };

@@ -95,9 +95,9 @@ impl Simulation {
             Quantity::Energy => {
                 self.energy().map_or(f64::NAN, |energy| energy.parts()[variable.template.component])
             }
-            Quantity::GrowthRate => self.indicator()?.growth_rate,
-            Quantity::ModeFrequency => self.indicator()?.frequency,
-            Quantity::ModeCount => f64::from(self.indicator()?.modes),
+            Quantity::GrowthRate => self.stability_indicator()?.growth_rate,
+            Quantity::ModeFrequency => self.stability_indicator()?.frequency,
+            Quantity::ModeCount => f64::from(self.stability_indicator()?.modes),
             parameter_or_input!() => {
                 self.nominal.get(variable).expect("it is a parameter or input")
             }

@@ -249,7 +249,7 @@ fn nanoseconds(time: Duration, count: u64) -> f64 {
 /// A ring and its motion. A `Simulation` keeps these to itself; here the C loop needs them too.
 struct Ring {
     model: LumpedModel,
-    drive: Inputs,
+    inputs: Inputs,
     step: f64,
     motion: Motion,
     integrator: Box<dyn Integrator>,
@@ -266,7 +266,7 @@ impl Ring {
             contact.tangent.add_to(&mut force, -equilibrium.friction_force[i]);
         }
         Self {
-            drive: Inputs::uniform(
+            inputs: Inputs::uniform(
                 force,
                 model.contacts.len(),
                 scene.slider.velocity,
@@ -289,7 +289,7 @@ impl Ring {
 
     fn advance(&mut self, steps: u64) {
         self.integrator
-            .advance(&mut self.motion, &self.drive, self.step, steps)
+            .advance(&mut self.motion, &self.inputs, self.step, steps)
             .expect("the contacts of a ring can be solved");
     }
 }
@@ -315,9 +315,9 @@ impl From<&Ring> for Problem {
             mass: from_fn(|i| mass.get(i, i)),
             stiffness: from_fn(|i| from_fn(|j| stiffness.get(i, j))),
             damping: from_fn(|i| from_fn(|j| c(i, j))),
-            force: from_fn(|i| ring.drive.force[i]),
-            slider_velocity: ring.drive.slider_velocity[0],
-            friction: ring.drive.friction[0].kinetic,
+            force: from_fn(|i| ring.inputs.force[i]),
+            slider_velocity: ring.inputs.slider_velocity[0],
+            friction: ring.inputs.friction[0].kinetic,
             step: ring.step,
             beta: damping.beta,
         }

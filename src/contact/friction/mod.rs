@@ -16,7 +16,7 @@
 //! | --- | --- |
 //! | this one | a field of [`Friction`] |
 //! | `src/scene/friction_file.rs`, `mod.rs`, `rule.rs` | the key of `[friction]`, the field of a scene, the values that are possible |
-//! | `src/scene/check.rs`, `lack.rs` | the check of the value; what a scene without it is told |
+//! | `src/scene/check.rs`, `missing.rs` | the check of the value; what a scene without it is told |
 //! | `modelDescription/variables.toml` | the variable, which importers and studies set |
 //! | `src/simulation/values.rs`, `catalogue.rs` | where a scene keeps the variable, its rule, `is_present`, `sets_limit` |
 //! | `crates/analysis/src/effects.rs` | `set_law`, with a typical value |

@@ -177,8 +177,11 @@ impl Instance {
     /// Warns of each tolerated call once, since a host that makes one repeats it in every step.
     #[cold]
     fn tolerate(&mut self, call: Call, name: &str) -> Result<(), Error> {
-        let message =
-            format!("{call}{name} in phase {:?}: FMI requires {}", self.setup.phase, call.wish());
+        let message = format!(
+            "{call}{name} in phase {:?}: FMI requires {}",
+            self.setup.phase,
+            call.requirement()
+        );
         if self.setup.strict {
             return Err(Error::call(message));
         }

@@ -113,13 +113,13 @@ impl Simulation {
         change.time = 1.0;
         change.displacement.copy_from_slice(&self.motion.velocity);
         let slopes = self.slopes(present);
-        let push = self.held_back(
+        let load = self.held_back(
             self.inputs.force.clone(),
             &self.motion.displacement,
             &self.motion.velocity,
         );
         let sliders = self.inputs.slider_acceleration.clone();
-        change.velocity = self.respond(present, &slopes, &push, &sliders)?.acceleration;
+        change.velocity = self.respond(present, &slopes, &load, &sliders)?.acceleration;
         Ok(change)
     }
 
@@ -181,7 +181,7 @@ impl Simulation {
     fn outcome(&mut self, change: &Change, present: &[ContactForce]) -> Result<ForceChange, Error> {
         let slopes = self.slopes(present);
         let sum = change.force.iter().zip(&change.load).map(|(force, load)| force + load);
-        let mut push = self.held_back(sum.collect(), &change.displacement, &change.velocity);
+        let mut load = self.held_back(sum.collect(), &change.displacement, &change.velocity);
         let (mut slip, mut weakened) = (Vec::new(), Vec::new());
         for (i, (contact, now)) in self.model.contacts.iter().zip(present).enumerate() {
             let along = contact.tangent.dot(&change.velocity);
@@ -192,10 +192,10 @@ impl Simulation {
             // The change of the friction coefficient acts on the masses like an additional force.
             weakened.push(now.normal_force * slopes[i].change(slip[i], change.friction[i]));
             let [normal, tangential] = change.reference[i];
-            contact.normal.add_to(&mut push, -normal);
-            contact.tangent.add_to(&mut push, weakened[i] - tangential);
+            contact.normal.add_to(&mut load, -normal);
+            contact.tangent.add_to(&mut load, weakened[i] - tangential);
         }
-        let found = self.respond(present, &slopes, &push, &change.slider_acceleration)?;
+        let found = self.respond(present, &slopes, &load, &change.slider_acceleration)?;
         let mut forces = found.forces;
         for (force, own) in forces.iter_mut().zip(&weakened) {
             force[1] += own;
