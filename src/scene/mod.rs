@@ -305,10 +305,10 @@ impl Scene {
     #[must_use]
     pub fn friction_of(&self, contact: usize) -> Friction {
         let common = self.friction();
-        let Some(place) = self.place(contact) else { return common };
+        let Some(own) = self.contact_definition(contact) else { return common };
         Friction {
-            kinetic: place.friction.unwrap_or(common.kinetic),
-            static_: place.static_friction.or(place.friction).unwrap_or(common.static_),
+            kinetic: own.friction.unwrap_or(common.kinetic),
+            static_: own.static_friction.or(own.friction).unwrap_or(common.static_),
             ..common
         }
     }
@@ -316,12 +316,14 @@ impl Scene {
     /// Velocity v of the sliding surface of a contact (from 0) along its tangent, m/s.
     #[must_use]
     pub fn surface_velocity(&self, contact: usize) -> f64 {
-        self.place(contact).and_then(|place| place.velocity).unwrap_or(self.slider.velocity)
+        self.contact_definition(contact)
+            .and_then(|place| place.velocity)
+            .unwrap_or(self.slider.velocity)
     }
 
     /// A contact (from 0) of a network; `None` for a ring.
     #[must_use]
-    pub(crate) fn place(&self, contact: usize) -> Option<&ContactDefinition> {
+    pub(crate) fn contact_definition(&self, contact: usize) -> Option<&ContactDefinition> {
         self.network().map(|network| &network.contacts[contact])
     }
 

@@ -63,8 +63,9 @@ impl InputRamp {
 
 /// The contacts whose surface an input moves, in ascending order: contacts without their own velocity move with the slider.
 pub(super) fn moved_contacts(scene: &Scene, input: &Variable) -> Vec<usize> {
-    let has_own =
-        |contact: usize| scene.place(contact).is_some_and(|place| place.velocity.is_some());
+    let has_own = |contact: usize| {
+        scene.contact_definition(contact).is_some_and(|place| place.velocity.is_some())
+    };
     match input.template.quantity {
         Quantity::SliderVelocity => (0..scene.contact_count()).filter(|i| !has_own(*i)).collect(),
         Quantity::OwnVelocity => vec![input.index],

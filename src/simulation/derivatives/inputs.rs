@@ -34,7 +34,9 @@ impl Simulation {
         let i = input.index;
         // Contacts without their own value use the common one.
         let common = |own: fn(&ContactDefinition) -> Option<f64>| {
-            let lacks = move |contact: &usize| self.scene.place(*contact).and_then(own).is_none();
+            let lacks = move |contact: &usize| {
+                self.scene.contact_definition(*contact).and_then(own).is_none()
+            };
             (0..self.model.contacts.len()).filter(lacks)
         };
         match (input.causality, input.template.quantity) {
@@ -52,7 +54,11 @@ impl Simulation {
             // A contact without its own static friction uses this coefficient for both.
             (Causality::Input, Quantity::OwnFriction) => {
                 change.friction[i][0] += by;
-                if self.scene.place(i).is_some_and(|place| place.static_friction.is_none()) {
+                if self
+                    .scene
+                    .contact_definition(i)
+                    .is_some_and(|place| place.static_friction.is_none())
+                {
                     change.friction[i][1] += by;
                 }
             }

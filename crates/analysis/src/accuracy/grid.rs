@@ -82,16 +82,16 @@ impl Grid {
     }
 
     #[allow(clippy::cast_precision_loss)]
-    pub(super) fn step_sizes(&self, scene: &Scene, critical: Option<f64>) -> Vec<StepCandidate> {
+    pub(super) fn candidates(&self, scene: &Scene, critical: Option<f64>) -> Vec<StepCandidate> {
         let dofs = scene.external_forces().count() as f64;
         let cost = if scene.network().is_some() { NETWORK * dofs } else { dofs };
         let work = |candidate: &StepCandidate| (candidate.steps * self.intervals) as f64 * cost;
-        let rungs = |method| divisors().map(move |steps| self.candidate(method, steps));
-        let scheme = rungs(Method::ForwardIncrement)
+        let of = |method| divisors().map(move |steps| self.candidate(method, steps));
+        let scheme = of(Method::ForwardIncrement)
             .filter(|candidate| critical.is_some_and(|critical| candidate.step <= critical))
             .take_while(|candidate| work(candidate) <= MOST_WORK)
             .take(SCHEME_ROWS);
-        scheme.chain(rungs(Method::EventDriven).take(EVENT_DRIVEN_ROWS)).collect()
+        scheme.chain(of(Method::EventDriven).take(EVENT_DRIVEN_ROWS)).collect()
     }
 }
 
@@ -111,8 +111,9 @@ mod tests {
         let scene = builtin("set1").unwrap().scene();
         let grid = Grid::of(&scene, Some(3.02e-4)).unwrap();
         assert_eq!((grid.interval, grid.intervals), (2e-4, 30_000));
-        let ladder = grid.step_sizes(&scene, Some(1.5e-4));
-        let steps = ladder.iter().filter(|candidate| candidate.method == Method::ForwardIncrement);
+        let candidates = grid.candidates(&scene, Some(1.5e-4));
+        let steps =
+            candidates.iter().filter(|candidate| candidate.method == Method::ForwardIncrement);
         let steps: Vec<f64> = steps.map(|candidate| candidate.step).collect();
         assert_eq!(steps[..4], [1e-4, 4e-5, 2e-5, 1e-5]);
     }

@@ -308,9 +308,9 @@ impl ConvergenceStudy {
     /// The methods and steps that are worth looking at, longest steps first; none of the paper's scheme
     /// above the critical step, or where none is known.
     #[must_use]
-    pub fn step_sizes(&self) -> Vec<StepCandidate> {
+    pub fn candidates(&self) -> Vec<StepCandidate> {
         let critical = self.critical.as_ref().ok().map(|critical| critical.step);
-        self.grid.step_sizes(&self.scene, critical)
+        self.grid.candidates(&self.scene, critical)
     }
 
     /// Runs one method with one step and returns its result; `None` if the watch ended it.

@@ -5,7 +5,7 @@ use super::growth::growth;
 use super::linearised::Linearised;
 use super::locus::{Crossing, Locus, growing, locus};
 use super::parallel;
-use super::state_energy::{StateEnergy, reach};
+use super::state_energy::{StateEnergy, state_energy};
 use super::states::StateClasses;
 use amontons::Error;
 use amontons::contact::ContactState;
@@ -195,7 +195,7 @@ fn least_reach(
     let mut least: (&Vec<ContactState>, Option<StateEnergy>) = (members[0], None);
     for here in range.map(at) {
         for states in members {
-            let found = reach(&here, states)?;
+            let found = state_energy(&here, states)?;
             let energy =
                 |reach: Option<StateEnergy>| reach.map_or(f64::INFINITY, |reach| reach.energy);
             // States that symmetry makes equal differ by rounding.

@@ -59,11 +59,9 @@ pub fn linearity_limit(
         let happens = [slow, open].into_iter().zip(may).filter_map(|(to, may)| may.then_some(to));
         happens.map(move |(into, amplitude)| LinearityLimit { contact, into, amplitude, dof })
     });
-    let all: Vec<LinearityLimit> =
-        first.filter(|linearity_limit| linearity_limit.amplitude.is_finite()).collect();
-    let least =
-        all.iter().map(|linearity_limit| linearity_limit.amplitude).fold(f64::INFINITY, f64::min);
-    all.into_iter().find(|linearity_limit| linearity_limit.amplitude <= least * (1.0 + 1e-9))
+    let all: Vec<LinearityLimit> = first.filter(|limit| limit.amplitude.is_finite()).collect();
+    let least = all.iter().map(|limit| limit.amplitude).fold(f64::INFINITY, f64::min);
+    all.into_iter().find(|limit| limit.amplitude <= least * (1.0 + 1e-9))
 }
 
 /// |N| of each contact for the shape as it is: (λ² M + λ C + K) x = Σ (G_N + s µ G_T)ᵀ N.

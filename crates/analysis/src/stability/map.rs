@@ -2,7 +2,7 @@
 
 use super::linearised::Linearised;
 use super::parallel;
-use super::state_energy::reach;
+use super::state_energy::state_energy;
 use super::states::{MAX_CONTACTS, StateClasses};
 use amontons::Error;
 use amontons::contact::ContactState;
@@ -87,7 +87,8 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
             .all(|(state, sliding)| state == sliding || *state == ContactState::Stick);
         // A far state tells nothing new after another one.
         let asks = only_sticks || found == Verdict::Stable;
-        if asks && Spectrum::of(model, states)?.unstable() && reach(&here, states)?.is_some() {
+        if asks && Spectrum::of(model, states)?.unstable() && state_energy(&here, states)?.is_some()
+        {
             if only_sticks {
                 return Ok(Verdict::Candidate);
             }

@@ -9,7 +9,7 @@
 //! | `locus` | modes over a parameter: where they merge, where they begin to grow |
 //! | `linearised` | a scene's model as eigenvalues need it |
 //! | `growth` | ranges of a parameter in which modes grow |
-//! | `reach` | how large a motion must be before contacts can be in another state |
+//! | `state_energy` | how large a motion must be before contacts can be in another state |
 //! | `candidates` | ranges of µ that can be bi-stable |
 //! | `map` | the verdict over two parameters |
 
@@ -27,5 +27,5 @@ mod states;
 pub use linearised::Linearised;
 pub use linearity_limit::{LinearityLimit, linearity_limit};
 pub use modes::{Mode, Modes, modes};
-pub use state_energy::{StateEnergy, reach};
+pub use state_energy::{StateEnergy, state_energy};
 pub use states::{MAX_CONTACTS, StateClasses};

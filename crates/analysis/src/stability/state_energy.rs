@@ -29,7 +29,10 @@ pub struct StateEnergy {
 ///
 /// # Errors
 /// Returns an error if there is no equilibrium in uniform sliding.
-pub fn reach(here: &Linearised, states: &[ContactState]) -> Result<Option<StateEnergy>, Error> {
+pub fn state_energy(
+    here: &Linearised,
+    states: &[ContactState],
+) -> Result<Option<StateEnergy>, Error> {
     let (model, sliding) = (here.model(), here.uniform_sliding()?);
     let equilibrium = here.equilibrium()?;
     let turns = |(state, usual): (&ContactState, &ContactState)| {
@@ -196,16 +199,16 @@ output_interval = 1.0e-3
         let text = format!("{BLOCK}[effects]\nsticking = false\n");
         let here = Linearised::of(&parse("block", &text).unwrap());
         assert_eq!(here.uniform_sliding().unwrap(), [ContactState::ReverseSlide]);
-        let is_reached = |state| reach(&here, &[state]).unwrap().is_some();
+        let is_reached = |state| state_energy(&here, &[state]).unwrap().is_some();
         assert!(is_reached(ContactState::Detached) && !is_reached(ContactState::Slide));
         let whole = Linearised::of(&parse("block", BLOCK).unwrap());
-        assert!(reach(&whole, &[ContactState::Slide]).unwrap().is_some());
+        assert!(state_energy(&whole, &[ContactState::Slide]).unwrap().is_some());
     }
 
     #[test]
     fn one_block_has_the_energies_that_can_be_written_down() {
         let here = Linearised::of(&parse("block", BLOCK).unwrap());
-        let needs = |state| reach(&here, &[state]).unwrap().unwrap();
+        let needs = |state| state_energy(&here, &[state]).unwrap().unwrap();
         // To stick: the belt's speed.
         let stick = needs(ContactState::Stick);
         assert!((stick.energy - 0.5 * 2.0 * 0.3 * 0.3).abs() < 1e-12);

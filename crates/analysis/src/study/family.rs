@@ -7,15 +7,15 @@
 use super::basis::{Basis, Members, scheme_step};
 use super::linear::{GrowthRate, MORE_THAN_ROUNDING, growth};
 use super::observation::ObservationSettings;
-use super::recurrence::{begin_fast, length_of_a_step};
+use super::recurrence::{begin_fast, distance_per_step};
 use crate::stability::Linearised;
 use amontons::Error;
 use amontons::simulation::Simulation;
 use std::f64::consts::TAU;
 
-/// Least part p of the motion by which it is made smaller, 2 p, before a mode is pushed by 4 p of the motion's
-/// largest velocity both ways, to see if the motion is the largest of its family. With the paper's scheme p is at
-/// least the way of a step.
+/// Least part p of the motion by which it is made smaller, 2 p, before a mode is pushed by 4 p of the size of
+/// the motion's velocities both ways, to see if the motion is the largest of its family. With the paper's scheme p is
+/// at least the distance that the motion moves in a step.
 const LARGER: f64 = 1e-5;
 
 /// A mode of more than this part of the largest one in a sum counts.
@@ -49,7 +49,7 @@ pub(super) fn is_one_of_many(
     let fastest =
         begin_fast(&mut motion, observation.interval, frequency, observation.rows())?.velocity;
     // The paper's scheme sees a change of state at the end of a step only.
-    let part = LARGER.max(length_of_a_step(simulation, frequency));
+    let part = LARGER.max(distance_per_step(simulation, frequency));
     // No contact is at its limit then, so it is the mode that brings it there.
     motion.scale_motion(1.0 - 2.0 * part);
     if changes_states(&motion, observation, is_over)? {

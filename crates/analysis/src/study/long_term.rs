@@ -2,7 +2,8 @@
 //!
 //! # What is measured
 //!
-//! A motion is observed in windows, one after the other ([`ObservationSettings`](super::observation::ObservationSettings)). These are known of each window:
+//! A motion is observed in windows, one after the other
+//! ([`ObservationSettings`](super::observation::ObservationSettings)). These are known of each window:
 //!
 //! - its *size*, m: root mean square, about its mean, of y = Σ_i w_i x_i, a mixture of all displacements with
 //!   w_i = 1/2 + frac(0.618 i), so that nothing hides where one output does not see it. Rows have the weights of a
@@ -17,7 +18,7 @@
 //!
 //! - its *closure*: the time T after which the whole state comes back, and the distance of the states at t and t + T,
 //!   root mean square over a period, in parts of the motion's size (`recurrence`);
-//! - its *parting*: how the distance to a neighbour grows that starts 1e-9 of the motion's size away (`parting`).
+//! - its *parting*: how the distance to a neighbour grows that starts 1e-9 of the motion's size away (`separation`).
 //!
 //! # How the kind is decided
 //!
@@ -83,7 +84,7 @@
 //! - The thresholds are conventions, checked against motions whose kind is known, not bounds of an error.
 //! - A motion that changes only after the longest time, a slow mode that grows below 1e-4 of the strongest line, or a
 //!   period above 64 periods is not seen.
-//! - The rate of `parting` is that of one stretch of the motion, no Lyapunov exponent with an error.
+//! - The rate of `separation` is that of one stretch of the motion, no Lyapunov exponent with an error.
 //! - The kind does not depend on the output that is looked at. Closure and parting are found in the motion itself,
 //!   between rows too; a return is seen if the rows beside it are near enough (`recurrence`).
 

@@ -3,14 +3,14 @@
 //! | file | contents |
 //! | --- | --- |
 //! | `observation` | settings of the observation: output, rows, windows |
-//! | `ending` | the kinds of motion, and what is known of a motion that has settled |
+//! | `long_term` | the kinds of motion, and what is known of a motion that has settled |
 //! | `settling` | detection of settled motions, and of their kinds |
 //! | `windows` | size and lines of a motion from window to window, and their trend |
 //! | `basis` | the modes of a contact state as a basis of its motions |
 //! | `family` | detection of linear motions that are one of many with every size |
 //! | `drive` | long-term behaviour of signals |
 //! | `recurrence` | return of the state of a settled motion, and its period |
-//! | `parting` | separation of neighbouring motions: the kind of a motion that does not come back |
+//! | `separation` | separation of neighbouring motions: the kind of a motion that does not come back |
 //! | `beat` | the lines beside the strongest one and its multiples |
 //! | `period` | quantities of a periodic motion over one period |
 //! | `continuation` | endings over µ, upwards and downwards; jumps |

@@ -225,7 +225,7 @@ fn seek(
     let window = rows as f64 * interval;
     // Rounding of forces moves the state, too.
     let rounding = FORCE_ROUNDING * deflection(simulation) / scale.displacement;
-    let closed = CLOSED.max(WOBBLE * length_of_a_step(simulation, frequency)).max(rounding);
+    let closed = CLOSED.max(WOBBLE * distance_per_step(simulation, frequency)).max(rounding);
     let enough = enough.max(closed).min(COMES_BACK);
     let begin = &begin;
     search(&PeriodFinder {
@@ -468,9 +468,9 @@ fn have_same_period(a: &Closure, b: &Closure) -> bool {
     (a.period / b.period - 1.0).abs() < 1e-2
 }
 
-/// The way of one step of the paper's scheme, which sees events at whole steps only, in parts of the size of a motion
-/// with this frequency (Hz). 0 of exact motion.
-pub(super) fn length_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
+/// The distance that a motion with this frequency (Hz) moves in one step of the paper's scheme, which sees events at
+/// whole steps only, in parts of the motion's size. 0 of exact motion.
+pub(super) fn distance_per_step(simulation: &Simulation, frequency: f64) -> f64 {
     match simulation.scene().method {
         Method::EventDriven => 0.0,
         Method::ForwardIncrement => TAU * frequency * simulation.scene().step,
@@ -480,13 +480,13 @@ pub(super) fn length_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
 /// The longest step of the paper's scheme, s, that tells a motion that comes back from one that nearly does, where
 /// its steps are longer.
 pub(super) fn longest_step(simulation: &Simulation, frequency: f64) -> Option<f64> {
-    (length_of_a_step(simulation, frequency) > COMES_BACK).then(|| COMES_BACK / (TAU * frequency))
+    (distance_per_step(simulation, frequency) > COMES_BACK).then(|| COMES_BACK / (TAU * frequency))
 }
 
 /// `true` if a motion that comes back to such a distance may be one that the paper's scheme does not let come back
 /// nearer.
 pub(super) fn may_wobble(simulation: &Simulation, frequency: f64, distance: f64) -> bool {
-    distance <= MOST_WOBBLE * length_of_a_step(simulation, frequency)
+    distance <= MOST_WOBBLE * distance_per_step(simulation, frequency)
 }
 
 /// Moves on over two periods of the strongest line to find how large the motion is, then to where it is nearly as

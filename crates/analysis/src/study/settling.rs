@@ -3,7 +3,7 @@
 //! A motion is looked at window by window, in rows at equal times. It is *settled* when it rests, grows without bound,
 //! or has a size and lines that are the same in windows that follow each other while no faint line grows, or when its
 //! size varies without a trend. Then its kind is decided. The rules in their order, and the thresholds, are in
-//! [`ending`](super::ending).
+//! [`long_term`](super::long_term).
 
 use super::beat::{beat, is_fading};
 use super::drive::{is_repeated, last_edge, period};

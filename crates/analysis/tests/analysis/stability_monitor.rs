@@ -29,7 +29,7 @@ fn set(simulation: &mut Simulation, name: &str, value: f64) {
 }
 
 /// Growth rate (1/s), frequency (Hz) and number of modes.
-fn outlook(simulation: &mut Simulation) -> (f64, f64, f64) {
+fn indicator(simulation: &mut Simulation) -> (f64, f64, f64) {
     let mut read = |name: &str| value(simulation, &format!("stability.{name}"));
     (read("growth_rate"), read("frequency"), read("modes"))
 }
@@ -64,7 +64,7 @@ fn assert_near(found: (f64, f64, f64), expected: (f64, f64, f64)) {
 fn sliding_at_first_it_has_the_paper_s_growth_rate_and_frequency() {
     let scene = set1(0.01);
     let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
-    let found = outlook(&mut simulation);
+    let found = indicator(&mut simulation);
     assert_near(found, expected(&scene, &[ContactState::Slide; 2]));
     let table: serde_json::Value =
         serde_json::from_str(include_str!("../../../../tests/data/table2.json")).unwrap();
@@ -79,7 +79,7 @@ fn sliding_at_first_it_has_the_paper_s_growth_rate_and_frequency() {
 #[test]
 fn it_is_what_the_analyser_finds() {
     let scene = set1(0.01);
-    let found = outlook(&mut Simulation::new(scene.clone(), 0.0).unwrap());
+    let found = indicator(&mut Simulation::new(scene.clone(), 0.0).unwrap());
     let model = LumpedModel::from(&scene);
     let modes =
         amontons_analysis::stability::modes(model.linear().unwrap(), &[ContactState::Slide; 2])
@@ -97,13 +97,13 @@ fn each_state_of_the_limit_cycle_has_its_own_again_whenever_it_is_met() {
     for row in 1..=1000_u32 {
         simulation.advance_to(4.0 + f64::from(row) * 2e-5).unwrap();
         let states = states(&mut simulation);
-        let found = outlook(&mut simulation);
+        let found = indicator(&mut simulation);
         let expected = *met.entry(states.clone()).or_insert_with(|| expected(&scene, &states));
         assert_near(found, expected);
     }
     let names: Vec<String> = met.keys().map(|states| JoinedStates(states).to_string()).collect();
     assert!(met.len() >= 3, "{names:?}");
-    assert!(met.values().any(|outlook| outlook.0 < 0.0));
+    assert!(met.values().any(|indicator| indicator.0 < 0.0));
 }
 
 /// One mass on one spring, N/m, and one damper, N s/m.
@@ -129,7 +129,7 @@ fn a_mass_on_a_spring_has_its_closed_form() {
         } else {
             (-decay + (-square).sqrt(), 0.0, 2.0)
         };
-        let found = outlook(&mut simulation);
+        let found = indicator(&mut simulation);
         assert!((found.0 - expected.0).abs() < 1e-12 * natural, "{c}: {found:?} {expected:?}");
         assert!((found.1 - expected.1).abs() < 1e-12 * natural, "{c}: {found:?} {expected:?}");
         assert_eq!(found.2, expected.2);
@@ -154,7 +154,7 @@ fn friction_that_falls_with_the_slip_velocity_grows_as_its_closed_form_and_as_th
         let mut simulation = Simulation::new(scene, 0.0).unwrap();
         let sigma = growth(v);
         let frequency = f64::sqrt(k / m - sigma * sigma) / TAU;
-        let found = outlook(&mut simulation);
+        let found = indicator(&mut simulation);
         assert!((found.0 - sigma).abs() < 1e-10, "{v}: {found:?} {sigma}");
         assert!((found.1 - frequency).abs() < 1e-10 && found.2 == 1.0, "{v}: {found:?}");
     }
@@ -181,20 +181,20 @@ fn another_friction_or_damping_is_another_outlook() {
     let mut scene = set1(0.0);
     let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
     let sliding = [ContactState::Slide; 2];
-    let before = outlook(&mut simulation);
+    let before = indicator(&mut simulation);
     simulation.advance_to(1e-3).unwrap();
     for (friction, beta) in [(1.0, scene.damping.beta), (1.0, 1e-6), (1.96, scene.damping.beta)] {
         set(&mut simulation, "friction.coefficient", friction);
         set(&mut simulation, "damping.beta", beta);
         // At once, and after a step.
         (scene.friction_coefficient, scene.damping.beta) = (friction, beta);
-        assert_near(outlook(&mut simulation), expected(&scene, &sliding));
+        assert_near(indicator(&mut simulation), expected(&scene, &sliding));
         let next = simulation.time() + 1e-6;
         simulation.advance_to(next).unwrap();
         assert_eq!(states(&mut simulation), sliding);
-        assert_near(outlook(&mut simulation), expected(&scene, &sliding));
+        assert_near(indicator(&mut simulation), expected(&scene, &sliding));
     }
-    assert_eq!(outlook(&mut simulation), before);
+    assert_eq!(indicator(&mut simulation), before);
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn a_signal_that_drives_friction_drives_it() {
         let mut acting = scene.clone();
         acting.friction_coefficient -= 0.96 * part;
         let states = states(&mut simulation);
-        assert_near(outlook(&mut simulation), expected(&acting, &states));
+        assert_near(indicator(&mut simulation), expected(&acting, &states));
     }
 }
 
@@ -219,13 +219,13 @@ fn a_state_that_holds_every_motion_has_no_modes() {
     scene.effects.stability = true;
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
     assert_eq!(states(&mut simulation), [ContactState::Stick]);
-    assert_eq!(outlook(&mut simulation), (0.0, 0.0, 0.0));
+    assert_eq!(indicator(&mut simulation), (0.0, 0.0, 0.0));
     // It slips in the end: a mass on a spring, k = 100 N/m, m = 1 kg.
     while states(&mut simulation) == [ContactState::Stick] {
         let next = simulation.time() + 1e-3;
         simulation.advance_to(next).unwrap();
     }
-    let (growth, frequency, modes) = outlook(&mut simulation);
+    let (growth, frequency, modes) = indicator(&mut simulation);
     assert!(growth.abs() < 1e-12 && (frequency - 10.0 / TAU).abs() < 1e-12 && modes == 1.0);
 }
 
@@ -243,7 +243,7 @@ fn the_shipped_scene_has_the_closed_form_of_its_comment() {
     let half = (4.0 * a * c - b * b).sqrt() / (2.0 * a);
     let shifted = nalgebra::Complex::new(0.25 * alpha * alpha + 0.5 * b / a, half);
     let lambda = shifted.sqrt() - 0.5 * alpha;
-    let found = outlook(&mut Simulation::new(scene, 0.0).unwrap());
+    let found = indicator(&mut Simulation::new(scene, 0.0).unwrap());
     assert!((found.0 - lambda.re).abs() < 1e-10, "{found:?} {lambda}");
     assert!((found.1 - lambda.im / TAU).abs() < 1e-10 && found.2 == 2.0, "{found:?} {lambda}");
     assert!((found.0 - 0.3182).abs() < 5e-5 && (found.1 - 0.8033).abs() < 5e-5);
@@ -254,18 +254,18 @@ fn a_restored_run_has_the_outlook_of_the_state_that_was_saved() {
     let mut simulation = Simulation::new(set1(0.01), 0.0).unwrap();
     simulation.advance_to(4.0).unwrap();
     let saved = simulation.save();
-    let then = outlook(&mut simulation);
-    while outlook(&mut simulation) == then {
+    let then = indicator(&mut simulation);
+    while indicator(&mut simulation) == then {
         let next = simulation.time() + 1e-5;
-        assert!(next < 4.1, "its outlook never changes");
+        assert!(next < 4.1, "its indicator never changes");
         simulation.advance_to(next).unwrap();
     }
     set(&mut simulation, "friction.coefficient", 1.0);
-    assert_ne!(outlook(&mut simulation), then);
+    assert_ne!(indicator(&mut simulation), then);
     simulation.restore(&saved).unwrap();
-    assert_eq!(outlook(&mut simulation), then);
+    assert_eq!(indicator(&mut simulation), then);
     assert_eq!(simulation.save(), saved, "a read left a trace in the saved state");
-    assert_eq!(outlook(&mut Simulation::resume(saved).unwrap()), then);
+    assert_eq!(indicator(&mut Simulation::resume(saved).unwrap()), then);
 }
 
 #[test]
@@ -285,7 +285,7 @@ fn only_a_scene_that_asks_for_it_has_it_and_it_moves_alike() {
         for run in [&mut watched, &mut plain] {
             run.advance_to(f64::from(row) * 1e-3).unwrap();
         }
-        outlook(&mut watched);
+        indicator(&mut watched);
         assert_eq!(watched.displacement(), plain.displacement());
         assert_eq!(watched.velocity(), plain.velocity());
     }
@@ -304,7 +304,7 @@ fn a_velocity_at_which_friction_is_the_same_but_falls_otherwise_is_another_outlo
             let variable = all.iter().find(|variable| variable.name == name).unwrap();
             simulation.write(variable, v_s).unwrap();
         }
-        let found = outlook(&mut simulation).0;
+        let found = indicator(&mut simulation).0;
         assert!((found - growth(v_s)).abs() < 1e-10, "{found} for {}", growth(v_s));
     }
 }

@@ -15,7 +15,7 @@ const BANDS: [usize; 6] = [2, 4, 5, 3, 6, 7];
 #[must_use]
 pub fn chart(
     scene: &Scene,
-    look: &ObservationSettings,
+    observation: &ObservationSettings,
     found: &Continuation,
     known: Option<&Bistability>,
 ) -> Chart {
@@ -56,7 +56,7 @@ pub fn chart(
         _ => f64::NAN,
     });
     let mut panels = vec![Panel {
-        y_label: format!("Amplitude of {} [m]", look.of),
+        y_label: format!("Amplitude of {} [m]", observation.of),
         series: amplitude,
         marks: jumps.chain(onsets).collect(),
         bands: bands.clone(),

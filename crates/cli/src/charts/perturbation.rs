@@ -12,10 +12,10 @@ use amontons_pictures::picture::{Chart, Mark, Marker, Panel, Series, Style};
 pub fn endings(
     scene: &Scene,
     direction: &Direction,
-    look: &ObservationSettings,
+    observation: &ObservationSettings,
     found: &Perturbations,
 ) -> Chart {
-    let unit = unit_of(scene, &look.of);
+    let unit = unit_of(scene, &observation.of);
     let points = |attractor: Option<usize>| {
         let runs = found.runs.iter().filter(|run| run.attractor == attractor);
         let point = |run: &Run| Some([run.amplitude, run.ending.as_ref()?.amplitude]);
@@ -54,7 +54,7 @@ pub fn endings(
         title: format!("{}: attractors reached from perturbations", scene.name),
         x_label: format!("{} [{perturbed}]", direction.name),
         panels: vec![Panel {
-            y_label: format!("Final amplitude of {} [{unit}]", look.of),
+            y_label: format!("Final amplitude of {} [{unit}]", observation.of),
             series,
             marks: marks.collect(),
             zero_line: true,
@@ -68,30 +68,30 @@ pub fn endings(
 pub fn histories(
     scene: &Scene,
     direction: &Direction,
-    look: &ObservationSettings,
+    observation: &ObservationSettings,
     (found, threshold): (&Perturbations, &Threshold),
     is_over: &dyn Fn() -> bool,
 ) -> Result<Option<Chart>, amontons::Error> {
     let ends = threshold.attractors.map(|place| &found.attractors[place]);
     let settled = |amplitude: &f64| {
         let run = found.runs.iter().find(|run| run.amplitude == *amplitude);
-        run.and_then(|run| run.ending.as_ref()).map_or(look.window, |ending| ending.time)
+        run.and_then(|run| run.ending.as_ref()).map_or(observation.window, |ending| ending.time)
     };
     let duration = threshold.between.iter().map(settled).fold(0.0, f64::max);
     let mut curves = Vec::new();
     for amplitude in threshold.between {
-        let rows = history(scene, (&direction.name, amplitude), look, duration, is_over)?;
+        let rows = history(scene, (&direction.name, amplitude), observation, duration, is_over)?;
         let Some(rows) = rows else { return Ok(None) };
-        curves.push(thinned(&rows, look.interval));
+        curves.push(thinned(&rows, observation.interval));
     }
     // The runs last much longer than it takes to see their end, so only the beginning is shown.
     let shown = 1.5 * curves.iter().map(|curve| seen_to_settle(curve)).fold(0.0, f64::max);
-    let unit = unit_of(scene, &look.of);
+    let unit = unit_of(scene, &observation.of);
     let panel = |(place, curve): (usize, Vec<[f64; 2]>)| {
         let what = words(ends[place], unit);
         let start = four_digits(threshold.between[place], unit_of(scene, &direction.name));
         Panel {
-            y_label: format!("{} [{unit}]", look.of),
+            y_label: format!("{} [{unit}]", observation.of),
             series: vec![Series {
                 label: Some(format!("just {} {start}: {what}", ["below", "above"][place])),
                 points: curve.into_iter().filter(|[time, _]| *time <= shown).collect(),

@@ -186,7 +186,7 @@ fn states(found: &Transient) -> Option<Panel> {
     let mut kinds: Vec<&[ContactState]> = Vec::new();
     let mut lanes = Vec::new();
     for course in courses {
-        let stretch = |stretch: &amontons_analysis::study::transient::Interval| LaneInterval {
+        let stretch = |stretch: &amontons_analysis::study::transient::StateInterval| LaneInterval {
             from: stretch.from,
             to: stretch.to,
             class: 0,

@@ -46,7 +46,7 @@ fn row(study: &ConvergenceStudy, candidate: StepCandidate) -> Row {
 }
 
 fn scheme(study: &ConvergenceStudy) -> Vec<StepCandidate> {
-    let ladder = study.step_sizes().into_iter();
+    let ladder = study.candidates().into_iter();
     ladder.filter(|candidate| candidate.method == Method::ForwardIncrement).collect()
 }
 
@@ -67,7 +67,7 @@ fn the_papers_scheme_is_of_first_order_on_set_1() {
     }
     // None of a row against another method's.
     let event_driven =
-        study.step_sizes().into_iter().find(|candidate| candidate.method == Method::EventDriven);
+        study.candidates().into_iter().find(|candidate| candidate.method == Method::EventDriven);
     let event_driven = row(&study, event_driven.unwrap());
     assert_eq!(study.order(&rows[0], &event_driven), None);
     assert!(event_driven.errors.rms.unwrap() < 1e-10 && event_driven.events_more == 0);
@@ -169,7 +169,7 @@ fn a_preset_of_the_scene_changes_nothing_in_a_study() {
     let chosen = study(&scene);
     let candidate = scheme(&given)[4];
     assert_eq!(row(&given, candidate), row(&chosen, candidate));
-    assert_eq!((given.floor(), given.step_sizes()), (chosen.floor(), chosen.step_sizes()));
+    assert_eq!((given.floor(), given.candidates()), (chosen.floor(), chosen.candidates()));
 }
 
 /// A mass on a spring that slides on a belt, with a sine on this input.
@@ -187,7 +187,7 @@ fn a_force_that_curves_within_a_step_costs_exact_motion_nothing() {
     let study = study(&sliding("mass.a.fx"));
     assert!(study.floor().rms.unwrap() < 1e-12, "{:?}", study.floor());
     let ladder =
-        study.step_sizes().into_iter().filter(|candidate| candidate.method == Method::EventDriven);
+        study.candidates().into_iter().filter(|candidate| candidate.method == Method::EventDriven);
     for row in ladder.map(|candidate| row(&study, candidate)) {
         assert!(row.errors.rms.unwrap() < 1e-12, "{row:?}");
     }
@@ -199,7 +199,7 @@ fn a_friction_that_changes_costs_first_order_and_the_reference_is_refined() {
     assert!(study.floor().rms.unwrap() < 1e-5, "{:?}", study.floor());
     assert!(study.reference_step() < 1e-4, "{}", study.reference_step());
     let ladder =
-        study.step_sizes().into_iter().filter(|candidate| candidate.method == Method::EventDriven);
+        study.candidates().into_iter().filter(|candidate| candidate.method == Method::EventDriven);
     let rows: Vec<Row> = ladder.map(|candidate| row(&study, candidate)).collect();
     for two in rows.windows(2) {
         let order = study.order(&two[0], &two[1]).unwrap();
@@ -243,7 +243,7 @@ fn no_step_is_above_the_critical_one_and_a_method_without_one_is_left_out() {
     text += "[[initial]]\nmass = \"m6\"\nvx = 0.2\n";
     let study = study(&parse("stack", &text).unwrap());
     assert!(study.critical_step().is_err());
-    assert!(!study.step_sizes().is_empty() && scheme(&study).is_empty());
+    assert!(!study.candidates().is_empty() && scheme(&study).is_empty());
 }
 
 #[test]

@@ -324,7 +324,7 @@ fn said_error(scene: &Scene, step: f64) -> f64 {
     let is_it = |candidate: &amontons_analysis::accuracy::StepCandidate| {
         candidate.method == Method::ForwardIncrement && (candidate.step / step - 1.0).abs() < 1e-9
     };
-    let candidate = study.step_sizes().into_iter().find(is_it).expect("the ladder has it");
+    let candidate = study.candidates().into_iter().find(is_it).expect("the ladder has it");
     study.row(candidate, Watch::IDLE).unwrap().unwrap().errors.amplitude.unwrap()
 }
 

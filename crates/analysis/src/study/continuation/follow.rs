@@ -119,8 +119,8 @@ impl<'a> PlanRun<'a> {
         Ok(is_done.then_some(followed))
     }
 
-    /// Follows a motion through values, as far as it goes and as long as it is to; `can_continue` is asked after each value. `false` if
-    /// the watch ended it.
+    /// Follows a motion through values, as far as it goes and as long as it is to; `can_continue` is asked after each
+    /// value. `false` if the watch ended it.
     pub(super) fn advance_through(
         &self,
         followed: &mut Followed,

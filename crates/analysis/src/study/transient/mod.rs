@@ -27,7 +27,7 @@ mod trace;
 pub use bands::{Band, Combination};
 pub use growth::{Growth, Phase, growth};
 pub use open::OpenQuestion;
-pub use stretches::{Interval, StateTimeline};
+pub use stretches::{StateInterval, StateTimeline};
 
 use super::basis::scheme_step;
 use super::observation::{ROWS_A_PERIOD, frequencies, output};

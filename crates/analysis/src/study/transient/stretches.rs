@@ -13,12 +13,12 @@ pub struct StateTimeline {
     /// The contact, as `contact[1]`.
     pub contact: String,
     /// Stretches one after the other.
-    pub stretches: Vec<Interval>,
+    pub stretches: Vec<StateInterval>,
 }
 
 /// A stretch of time over which a contact takes the same states, by turns if they are several.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Interval {
+pub struct StateInterval {
     /// Beginning, s.
     pub from: f64,
     /// End, s.
@@ -39,7 +39,7 @@ pub(super) fn courses(
         let held = &states[..states.len().saturating_sub(1)];
         let pieces = held.len().min(PIECES);
         let begin = |piece: usize| piece * held.len() / pieces;
-        let mut stretches: Vec<Interval> = Vec::new();
+        let mut stretches: Vec<StateInterval> = Vec::new();
         for piece in 0..pieces {
             let rows = begin(piece)..begin(piece + 1);
             let [from, to] = [rows.start, rows.end].map(|row| row as f64 * interval);
@@ -47,7 +47,7 @@ pub(super) fn courses(
             let taken: Vec<ContactState> = ContactState::ALL.into_iter().filter(is_taken).collect();
             match stretches.last_mut() {
                 Some(last) if last.states == taken => last.to = to,
-                _ => stretches.push(Interval { from, to, states: taken }),
+                _ => stretches.push(StateInterval { from, to, states: taken }),
             }
         }
         StateTimeline { contact: name.clone(), stretches }

@@ -147,19 +147,18 @@ impl StatesReport {
             })
             .collect();
         let names = self.given.scene.dof_names();
-        let departures =
-            self.departures.iter().flatten().filter_map(|(leaving, linearity_limit)| {
-                let linearity_limit = linearity_limit.as_ref()?;
-                Some(json!({
-                    "frequency_hz": leaving.frequency_hz,
-                    "growth_rate": leaving.growth_rate,
-                    "amplitude": linearity_limit.amplitude,
-                    "of": names[linearity_limit.dof],
-                    "speed": linearity_limit.amplitude * leaving.rate,
-                    "contact": self.given.scene.contact_name(linearity_limit.contact),
-                    "into": linearity_limit.into.to_string(),
-                }))
-            });
+        let departures = self.departures.iter().flatten().filter_map(|(mode, limit)| {
+            let limit = limit.as_ref()?;
+            Some(json!({
+                "frequency_hz": mode.frequency_hz,
+                "growth_rate": mode.growth_rate,
+                "amplitude": limit.amplitude,
+                "of": names[limit.dof],
+                "speed": limit.amplitude * mode.rate,
+                "contact": self.given.scene.contact_name(limit.contact),
+                "into": limit.into.to_string(),
+            }))
+        });
         json!({
             "scene": self.given.scene.name,
             "friction": self.given.scene.has_common_friction().then_some(self.given.scene.friction_coefficient),
@@ -216,12 +215,12 @@ impl StatesReport {
             "Departures from uniform sliding: largest amplitude of each mode before a contact stops sliding"
         )?;
         let names = self.given.scene.dof_names();
-        for (ModeLimit { frequency_hz, rate, .. }, linearity_limit) in departures {
+        for (ModeLimit { frequency_hz, rate, .. }, limit) in departures {
             let frequency = match frequency_hz {
                 0.0 => "real".to_owned(),
                 frequency_hz => format!("{frequency_hz:.2} Hz"),
             };
-            let Some(LinearityLimit { contact, into, amplitude, dof }) = linearity_limit else {
+            let Some(LinearityLimit { contact, into, amplitude, dof }) = limit else {
                 writeln!(out, "  {frequency:>11}  stops no contact from sliding")?;
                 continue;
             };

@@ -83,7 +83,7 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
 impl AccuracyReport<'_> {
     /// Computes all rows of the ladder, or those up to an interruption.
     fn climb(&mut self, bar: &Progress) -> ControlFlow<()> {
-        let ladder = self.study.step_sizes();
+        let ladder = self.study.candidates();
         let cost = |candidate: &StepCandidate| match candidate.method {
             Method::ForwardIncrement => candidate.steps as f64,
             Method::EventDriven => STEPS_A_STEP * candidate.steps as f64,
@@ -123,7 +123,7 @@ impl AccuracyReport<'_> {
         let rows: Vec<Row> = self.rows.iter().map(|timed| timed.row).collect();
         self.notes.extend(self.study.notes(&rows));
         if !self.complete {
-            let all = self.study.step_sizes().len();
+            let all = self.study.candidates().len();
             self.notes.push(format!("interrupted after {} of {all} rows", rows.len()));
         }
     }

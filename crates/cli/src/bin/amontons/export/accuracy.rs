@@ -17,7 +17,7 @@ pub fn page(scene: &Scene) -> Result<String, Box<dyn Error>> {
     let bar = reference::bar();
     let study = reference::study(scene, None, &bar)?;
     bar.say("methods and steps");
-    let ladder = study.step_sizes();
+    let ladder = study.candidates();
     let share = (1.0 - REFERENCE_SHARE) / ladder.len().max(1) as f64;
     let (mut rows, mut notes): (Vec<(Row, Option<f64>)>, _) = (Vec::new(), Vec::new());
     for (start, candidate) in ladder.into_iter().enumerate() {
