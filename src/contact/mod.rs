@@ -74,7 +74,7 @@ impl ContactLaw {
 
     /// `true` if closed contacts keep their state whatever their slip velocity is.
     #[must_use]
-    pub fn is_frozen(self) -> bool {
+    pub fn has_fixed_state(self) -> bool {
         !(self.sticking && self.friction.info().sticks)
     }
 
@@ -84,28 +84,28 @@ impl ContactLaw {
         match state {
             ContactState::Slide => true,
             ContactState::ReverseSlide => self.friction.info().sticks,
-            ContactState::Stick => !self.is_frozen(),
+            ContactState::Stick => !self.has_fixed_state(),
             ContactState::Detached => self.detachment,
         }
     }
 
     /// `true` if friction has a fixed direction, which a slip may oppose.
     #[must_use]
-    pub fn has_frozen_direction(self) -> bool {
+    pub fn has_fixed_direction(self) -> bool {
         !self.sticking && self.friction.info().sticks
     }
 
     /// `true` if friction follows |N|: contacts can stick and cannot open. A contact state then has no linear motion.
     #[must_use]
     pub fn follows_size(self) -> bool {
-        !self.is_frozen() && !self.detachment
+        !self.has_fixed_state() && !self.detachment
     }
 
     /// The fixed state of closed contacts on a surface with this velocity, m/s; `None` if the law lets them change it.
     #[must_use]
-    pub fn frozen_state(self, surface: f64) -> Option<ContactState> {
+    pub fn fixed_state(self, surface: f64) -> Option<ContactState> {
         let has_direction = self.friction.info().sticks;
-        self.is_frozen().then_some(if has_direction && surface <= 0.0 {
+        self.has_fixed_state().then_some(if has_direction && surface <= 0.0 {
             ContactState::ReverseSlide
         } else {
             ContactState::Slide

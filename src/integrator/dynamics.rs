@@ -98,7 +98,7 @@ impl Dynamics {
     /// Counts, if the law of contact is reduced, the contacts that would have needed the omitted parts with the
     /// velocities and multipliers at the end of a step.
     pub(super) fn count_broken(&self, motion: &mut Motion, velocity: &[f64], inputs: &Inputs) {
-        let (has_direction, detachment) = (self.law.has_frozen_direction(), self.law.detachment);
+        let (has_direction, detachment) = (self.law.has_fixed_direction(), self.law.detachment);
         for (i, contact) in self.contacts.iter().enumerate() {
             let surface = inputs.slider_velocity[i];
             let slip = surface - contact.tangent.dot(velocity);

@@ -119,7 +119,7 @@ impl LumpedModel {
     /// friction.
     #[must_use]
     pub fn rubs(&self, contact: &Contact) -> bool {
-        !self.law.has_frozen_direction() || contact.surface_velocity != 0.0
+        !self.law.has_fixed_direction() || contact.surface_velocity != 0.0
     }
 
     /// µ of a contact in uniform sliding: that of the law at the velocity of its surface, and zero where the contact

@@ -30,7 +30,7 @@ pub struct Effects {
 impl Effects {
     /// Returns `true` if friction of this law keeps its direction, so that the slip may oppose it.
     #[must_use]
-    pub fn has_frozen_slip(&self, law: Law) -> bool {
+    pub fn has_fixed_direction(&self, law: Law) -> bool {
         !self.sticking && law.info().sticks
     }
 }

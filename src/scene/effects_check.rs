@@ -11,7 +11,7 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     let about = law.info();
     let problem = |path: &str, message: String, help: &str| Problem::new(path, message).help(help);
     report_own_friction(scene, about, checks);
-    if scene.effects.has_frozen_slip(law) && law == Law::StaticKinetic {
+    if scene.effects.has_fixed_direction(law) && law == Law::StaticKinetic {
         let message = "contacts that do not stick have no static friction".to_owned();
         let help = "leave `static` or `static_friction` out, or let contacts stick";
         checks.problems.push(problem("effects.sticking", message, help).of(false));

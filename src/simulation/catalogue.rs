@@ -276,7 +276,7 @@ fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
         Quantity::FrictionCoefficient => return scene.has_common_friction(),
         Quantity::StaticFriction => return scene.has_common_static_friction(),
         Quantity::StribeckVelocity => return scene.stribeck_velocity.is_some(),
-        Quantity::ReversedSlips => return scene.effects.has_frozen_slip(scene.friction_law),
+        Quantity::ReversedSlips => return scene.effects.has_fixed_direction(scene.friction_law),
         Quantity::PulledContacts => return !scene.effects.detachment,
         // An importer cannot set a step that a tolerance chooses.
         Quantity::IntegratorStep => return scene.selection == Selection::Given,

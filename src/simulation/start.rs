@@ -16,7 +16,7 @@ pub(super) fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
         let slip = surface - contact.tangent.dot(&velocity);
         if is_positive(&contact.normal, &displacement) || is_positive(&contact.normal, &velocity) {
             ContactState::Detached
-        } else if let Some(state) = model.law.frozen_state(surface) {
+        } else if let Some(state) = model.law.fixed_state(surface) {
             state
         } else if slip > 0.0 {
             ContactState::Slide

@@ -18,8 +18,8 @@ fn a_structure_has_few_kernels() {
         *count.entry(kernel.structure).or_insert(0) += 1;
     }
     assert_eq!(count.len(), 4, "rings, lone modules, sparse and dense networks: {count:?}");
-    // The kernels of rings hold the law of friction, frozen or not, beside whether contacts open and whether there is damping.
-    // Those of networks are the same for all laws.
+    // The kernels of rings hold the law of friction, with a fixed direction or not, beside whether contacts open and
+    // whether there is damping. Those of networks are the same for all laws.
     let most =
         |structure| if ["ring", "modules"].contains(structure) { 8 * Law::ALL.len() } else { 32 };
     assert!(count.iter().all(|(structure, &kernels)| kernels <= most(structure)), "{count:?}");
@@ -216,9 +216,9 @@ fn the_kernels_of_rings_and_of_networks_agree_on_every_part_of_the_law_of_contac
             assert_eq!(counted(&ring), counted(&dense), "{law:?}");
             let [changes, _, reversed, pulled] = counted(&ring);
             // Each part was there to be missed.
-            let is_frozen = law.is_frozen() && friction.info().sticks;
-            assert_eq!(reversed > 0, is_frozen, "{law:?}: {reversed}");
-            assert!(detachment || law.is_frozen() || changes > 4, "{law:?}: {changes}");
+            let has_fixed_state = law.has_fixed_state() && friction.info().sticks;
+            assert_eq!(reversed > 0, has_fixed_state, "{law:?}: {reversed}");
+            assert!(detachment || law.has_fixed_state() || changes > 4, "{law:?}: {changes}");
             assert_eq!(pulled > 0, !detachment, "{law:?}");
         }
     }

@@ -55,7 +55,7 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
 
 /// Contacts whose friction has the direction of a surface that stands still.
 fn direction_warning(scene: &Scene) -> Option<String> {
-    if !scene.effects.has_frozen_slip(scene.contact_law().friction) {
+    if !scene.effects.has_fixed_direction(scene.contact_law().friction) {
         return None;
     }
     let common = scene.slider.velocity;

@@ -11,7 +11,7 @@ pub fn feedthrough(scene: &Scene, variables: &[Variable], output: &Variable) -> 
         // The steps have determined these values before.
         Quantity::Displacement | Quantity::Velocity => Some(Vec::new()),
         // A contact that may stick has no slip then, and forces decide of that.
-        Quantity::SlipVelocity if scene.contact_law().is_frozen() => {
+        Quantity::SlipVelocity if scene.contact_law().has_fixed_state() => {
             let surface = |quantity| {
                 variables.iter().position(|variable| {
                     let Variable { causality, template, index, .. } = variable;

@@ -142,7 +142,7 @@ impl<W: MotionObserver> EventDriven<W> {
         speed: f64,
     ) -> Result<u64, StepFailure> {
         let Dynamics { contacts, problem, constraint_of, law, .. } = &mut self.dynamics;
-        let surfaces = if law.is_frozen() { &self.heading } else { &self.surface };
+        let surfaces = if law.has_fixed_state() { &self.heading } else { &self.surface };
         for (i, contact) in contacts.iter().enumerate() {
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
             problem.constraints[i] = match self.closed[i] {

@@ -472,7 +472,7 @@ impl<W: MotionObserver> EventDriven<W> {
             let terms = contact.tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
             let terms = terms.fold(0.0, |sum, term| sum + term);
             let slip = self.surface[i] - along;
-            if let Some(new) = self.dynamics.law.frozen_state(mean) {
+            if let Some(new) = self.dynamics.law.fixed_state(mean) {
                 if new != old {
                     motion.contacts[i] = new;
                     motion.statistics.count_change(new);
@@ -561,8 +561,8 @@ impl<W: MotionObserver> EventDriven<W> {
             let in_turn = any_in_turn && self.is_in_turn(group());
             let problem = &mut self.dynamics.problem;
             // A mass that lands while its surface begins to move has the direction that the surface takes.
-            let is_frozen = self.dynamics.law.is_frozen();
-            let surface = if is_frozen { self.heading[i] } else { self.surface[i] };
+            let has_fixed_state = self.dynamics.law.has_fixed_state();
+            let surface = if has_fixed_state { self.heading[i] } else { self.surface[i] };
             let held = (self.dynamics.constraint_of)(
                 inputs.friction[i],
                 slip,

@@ -31,7 +31,7 @@ impl<W: MotionObserver> EventDriven<W> {
             (out.normal_force, out.friction_force) = (normal_force, friction_force);
         }
         let fastest = self.fastest(motion, inputs);
-        let is_frozen = self.dynamics.law.is_frozen();
+        let has_fixed_state = self.dynamics.law.has_fixed_state();
         let may_pull = !self.dynamics.law.detachment;
         let mut is_overheld = false;
         for (i, out) in forces.iter_mut().enumerate() {
@@ -53,7 +53,7 @@ impl<W: MotionObserver> EventDriven<W> {
                 }
                 _ => {
                     let direction = state.sliding_direction().unwrap_or(1.0);
-                    (is_frozen || direction * slip >= -still)
+                    (has_fixed_state || direction * slip >= -still)
                         && (may_pull || normal_force >= -nothing)
                 }
             };
@@ -168,7 +168,7 @@ impl<W: MotionObserver> EventDriven<W> {
             let ContactForce { state, slip_velocity, .. } = forces[*i];
             self.overheld[*i] && state != ContactState::Detached && slip_velocity.abs() <= still
         };
-        let is_frozen = self.dynamics.law.is_frozen();
+        let has_fixed_state = self.dynamics.law.has_fixed_state();
         (0..forces.len()).filter(is_asked).all(|i| {
             let [opening, size] = self.acceleration(i, 0, motion, inputs, forces);
             // A surface that moves a mass along another one presses it into that one, or lifts it off.
@@ -181,7 +181,7 @@ impl<W: MotionObserver> EventDriven<W> {
             let slip = surface - along;
             match forces[i].state.sliding_direction() {
                 None => slip.abs() <= nothing,
-                Some(direction) => is_frozen || direction * slip >= -nothing,
+                Some(direction) => has_fixed_state || direction * slip >= -nothing,
             }
         })
     }

@@ -139,7 +139,7 @@ impl<W: MotionObserver> EventDriven<W> {
                 let may_lift = law.detachment && self.series.least_normal_force(contact) <= 0.0;
                 [
                     may_lift.then(|| (Event::Lift, [force(); 3])),
-                    (!law.is_frozen()).then_some((Event::Stop, [distance; 3])),
+                    (!law.has_fixed_state()).then_some((Event::Stop, [distance; 3])),
                     None,
                     None,
                     None,
@@ -201,7 +201,7 @@ impl<W: MotionObserver> EventDriven<W> {
     /// series' span.
     pub(super) fn count_broken(&mut self, motion: &mut Motion, inputs: &Inputs, part: f64) {
         let law = self.dynamics.law;
-        let (has_direction, detachment) = (law.has_frozen_direction(), law.detachment);
+        let (has_direction, detachment) = (law.has_fixed_direction(), law.detachment);
         for i in 0..self.events.len() {
             if motion.contacts[i] == ContactState::Detached {
                 continue;

@@ -195,7 +195,7 @@ impl Run {
     fn turns(&self, span: &Span) -> bool {
         let contacts = 0..span.steady.len();
         let turns = |i| span.slider(i, 0.0) * span.slider(i, self.h()) < 0.0;
-        self.model.law.is_frozen() && contacts.into_iter().any(turns)
+        self.model.law.has_fixed_state() && contacts.into_iter().any(turns)
     }
 
     /// The integral over the last step of what `f` makes of a motion and its contact forces: Gauss's

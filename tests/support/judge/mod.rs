@@ -343,10 +343,10 @@ impl Run {
         });
         let force = self.outer_force();
         let contacts = &self.model.contacts;
-        let is_frozen = self.model.law.is_frozen();
+        let has_fixed_state = self.model.law.has_fixed_state();
         let friction = |contact: &model::Contact| {
             // A direction that is frozen is that of the surface; one that stands still has none.
-            let stands = is_frozen && contact.surface_velocity == 0.0;
+            let stands = has_fixed_state && contact.surface_velocity == 0.0;
             if stands { Friction::from(0.0) } else { contact.friction }
         };
         Acting {

@@ -20,15 +20,15 @@ pub(super) fn residual_under(
     scales: &Scales,
 ) -> Violation {
     let mut now = *instant;
-    let has_frozen_direction = law.has_frozen_direction();
+    let has_fixed_direction = law.has_fixed_direction();
     if !law.detachment {
         (now.gap, now.gap_velocity) = (-now.gap.abs(), -now.gap_velocity.abs());
-        if has_frozen_direction && now.normal_force < 0.0 {
+        if has_fixed_direction && now.normal_force < 0.0 {
             now.friction_force = -now.friction_force;
         }
         now.normal_force = now.normal_force.abs();
     }
-    if has_frozen_direction {
+    if has_fixed_direction {
         let direction = if surface > 0.0 { 1.0 } else { -1.0 };
         now.slip_velocity = direction * FAST * scales.velocity;
     }
@@ -44,7 +44,7 @@ impl Run {
     /// The friction of a contact that has this slip velocity (m/s) when a step begins, or sticks.
     pub(super) fn friction_at(&self, friction: Friction, slip: f64, sticks: bool) -> Friction {
         let Friction { kinetic, static_, .. } = friction;
-        let slip = if sticks && !self.model.law.is_frozen() { 0.0 } else { slip.abs() };
+        let slip = if sticks && !self.model.law.has_fixed_state() { 0.0 } else { slip.abs() };
         match self.model.law.friction {
             Law::Frictionless | Law::Coulomb | Law::StaticKinetic => friction,
             Law::Stribeck => {
@@ -56,7 +56,7 @@ impl Run {
 
     /// Edges of the cone of forces for a direction of friction, or for a range between two.
     pub(super) fn edges(&self, [from, to]: [f64; 2], surface: f64) -> [f64; 2] {
-        if !self.model.law.has_frozen_direction() {
+        if !self.model.law.has_fixed_direction() {
             return [from, to];
         }
         let size = from.abs().max(to.abs());

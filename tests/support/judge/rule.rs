@@ -117,7 +117,7 @@ impl Run {
                 edges.push(normal + tangent * limit);
                 if !law.detachment {
                     // Friction follows N with its sign where its direction is frozen, and else |N|.
-                    let pulled = if law.is_frozen() { -limit } else { limit };
+                    let pulled = if law.has_fixed_state() { -limit } else { limit };
                     edges.push(tangent * pulled - normal);
                 }
             }

@@ -55,7 +55,7 @@ pub fn linearity_limit(
         let slow = (slow, velocity.abs() / speed);
         let open = (ContactState::Detached, equilibrium.normal_force[contact] / normal[contact]);
         // Transitions that the law of contact leaves out do not happen.
-        let may = [!model.law.is_frozen(), model.law.detachment];
+        let may = [!model.law.has_fixed_state(), model.law.detachment];
         let happens = [slow, open].into_iter().zip(may).filter_map(|(to, may)| may.then_some(to));
         happens.map(move |(into, amplitude)| LinearityLimit { contact, into, amplitude, dof })
     });

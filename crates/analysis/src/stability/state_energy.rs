@@ -38,7 +38,7 @@ pub fn state_energy(
     let turns = |(state, usual): (&ContactState, &ContactState)| {
         state.sliding_direction().is_some() && state != usual
     };
-    if model.law.is_frozen() && states.iter().zip(&sliding).any(turns) {
+    if model.law.has_fixed_state() && states.iter().zip(&sliding).any(turns) {
         return Ok(None);
     }
     let mass = dense(&model.mass);
