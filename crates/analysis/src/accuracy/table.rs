@@ -156,7 +156,7 @@ impl ConvergenceStudy {
         let most = rows.iter().map(|row| ended(&row.statistics)).fold(reference, u64::max);
         if most > 0 {
             notes.push(format!(
-                "event-driven runs ended up to {most} small bounces of contacts that land many times within a step \
+                "event-driven runs ended at most {most} hops of contacts that land many times within a step \
                  (reference: {reference}); the errors in the table include the effect of this"
             ));
         }

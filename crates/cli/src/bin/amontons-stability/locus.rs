@@ -327,7 +327,7 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
     if locus.is_damped {
         writeln!(
             out,
-            "  individual dampers or falling friction prevent modes from merging exactly; closest approaches:"
+            "  single dampers or falling friction prevent modes from merging exactly; closest approaches:"
         )?;
     } else {
         writeln!(

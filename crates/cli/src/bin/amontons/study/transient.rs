@@ -273,13 +273,13 @@ const STATES_TELL: &str =
     "amontons-stability states computes the growth rate of each mode without a run";
 
 fn asked(question: &OpenQuestion, interval: f64) -> String {
-    let rate = |phase: &Phase| {
+    let change = |phase: &Phase, until: &str| {
         format!(
-            "a mode {} ({} {}) by a factor of {:.3}",
+            "a mode {} by a factor of {:.3} {until}, with a {} {}",
             verb(phase.rate),
+            (phase.rate * (phase.span[1] - phase.span[0])).exp(),
             growth_rate(phase),
-            at_frequency(phase),
-            (phase.rate * (phase.span[1] - phase.span[0])).exp()
+            at_frequency(phase)
         )
     };
     match question {
@@ -291,21 +291,21 @@ fn asked(question: &OpenQuestion, interval: f64) -> String {
                 ""
             };
             format!(
-                "{} by the end of the run; {decides} would show whether the factor reaches ten{unless}; {STATES_TELL}",
-                rate(phase)
+                "{}; {decides} would show whether the factor reaches ten{unless}; {STATES_TELL}",
+                change(phase, "by the end of the run")
             )
         }
         OpenQuestion::EndsBeforeTenfold { phase, is_ended_by_others } => {
-            let until = time(phase.span[1], interval);
+            let until = format!(
+                "until {} s, the end of the part that can be followed mode by mode",
+                time(phase.span[1], interval)
+            );
             let decides = if *is_ended_by_others {
                 ""
             } else {
                 "; a run with a smaller initial perturbation shows it for longer"
             };
-            format!(
-                "{} until {until} s, the end of the part that can be followed mode by mode; {STATES_TELL}{decides}",
-                rate(phase),
-            )
+            format!("{}; {STATES_TELL}{decides}", change(phase, &until))
         }
         OpenQuestion::TooSlow { count, frequency, stop_time } => format!(
             "the run is too short to show whether {}; --stop-time {} or more may show it",
