@@ -10,8 +10,8 @@
 //!
 //! with n odd and above the powers of waves, or n is [`ORDER`] = 28. The recursion makes each power from the two
 //! before it, so the powers behind n are smaller still: one oscillation of angle θ = ω τ has
-//! c_{k+2} = −θ² c_k / ((k + 1)(k + 2)), and all omitted ones together are less than 2 % of the last pair at n = 28. The forces have the
-//! powers up to n − 2; their omitted ones are K times displacements of that size.
+//! c_{k+2} = −θ² c_k / ((k + 1)(k + 2)), and all omitted ones together are less than 2 % of the last pair at n = 28.
+//! The forces have the powers up to n − 2; their omitted ones are K times displacements of that size.
 //!
 //! # Span
 //!

@@ -1,10 +1,9 @@
 //! The table of `amontons accuracy`, as text, CSV and JSON.
 
 use super::{AccuracyReport, Timed};
-use amontons_cli::arguments::Format;
-
 use amontons::scene::Method;
 use amontons_analysis::accuracy::{COLUMNS, Errors, LEGEND};
+use amontons_cli::arguments::Format;
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 

@@ -4,13 +4,12 @@ use super::arguments::{ObservationOptions, StudyArguments};
 use super::attractor::{self, number};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared_with, watched};
-use amontons_cli::arguments::{Values, named_grid};
-
 use amontons::scene::Scene;
 use amontons_analysis::study::basin::{
     Axis, Basin as Found, Cell, Coverage, SHORT_WINDOWS, basin, check_points,
 };
 use amontons_analysis::study::{ObservationSettings, initial_value};
+use amontons_cli::arguments::{Values, named_grid};
 use amontons_cli::charts::attractor::{unit_of, words};
 use amontons_cli::say;
 use amontons_pictures::picture::{Class, Map};

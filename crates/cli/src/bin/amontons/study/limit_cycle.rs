@@ -3,8 +3,6 @@
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, quoted};
 use super::{heading, interrupted, over, prepared, prepared_again, watched};
-use amontons_cli::arguments::Values;
-
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
@@ -13,6 +11,7 @@ use amontons_analysis::study::{
 };
 use amontons_analysis::sweep::Possible;
 use amontons_analysis::sweep::range::{self, number};
+use amontons_cli::arguments::Values;
 use amontons_cli::charts::limit_cycle::{Results, changes};
 use amontons_cli::say;
 use clap::Args;

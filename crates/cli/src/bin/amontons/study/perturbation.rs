@@ -4,13 +4,12 @@ use super::arguments::{ObservationOptions, StudyArguments};
 use super::attractor::{self, number};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared, watched};
-use amontons_cli::arguments::{Values, grid};
-
 use amontons::scene::Scene;
 use amontons_analysis::study::perturbation::{
     Direction, Perturbations, Run, Threshold, perturbation,
 };
 use amontons_analysis::study::{ObservationSettings, initial_value};
+use amontons_cli::arguments::{Values, grid};
 use amontons_cli::charts::attractor::unit_of;
 use amontons_cli::charts::perturbation::{endings, histories};
 use amontons_cli::say;
