@@ -31,7 +31,7 @@ pub(super) fn coupling(
     if can_squeal(scene) {
         let drives = drives(scene, start, variables);
         if !drives.is_empty() {
-            return Some(told(&drives));
+            return Some(describe_drives(&drives));
         }
     }
     let force = first(variables, Quantity::ExternalForce, Causality::Input)?;
@@ -202,7 +202,7 @@ impl Surface {
     }
 }
 
-fn told(drives: &[SurfaceDrive]) -> String {
+fn describe_drives(drives: &[SurfaceDrive]) -> String {
     let mut words = Vec::new();
     for (place, drive) in drives.iter().take(MOST_DRIVES).enumerate() {
         let who = if place == 0 { "a drive" } else { "Another drive" };

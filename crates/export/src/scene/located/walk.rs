@@ -211,10 +211,16 @@ impl<'s> Walk<'s> {
             required.filter(|key| !table.contains_key(**key)).copied().collect();
         let help: Vec<String> =
             missing.iter().map(|key| addition(path, key, known.schema(key))).collect();
-        self.lack(span, &missing, &help, path);
+        self.report_missing(span, &missing, &help, path);
     }
 
-    fn lack(&mut self, span: &Range<usize>, missing: &[&str], help: &[String], path: &str) {
+    fn report_missing(
+        &mut self,
+        span: &Range<usize>,
+        missing: &[&str],
+        help: &[String],
+        path: &str,
+    ) {
         if missing.is_empty() {
             return;
         }
@@ -269,7 +275,7 @@ impl<'s> Walk<'s> {
                 }
                 None => {
                     let help = format!("`{tag}` = {}", quoted(&names));
-                    self.lack(span, &[tag], &[help], path);
+                    self.report_missing(span, &[tag], &[help], path);
                 }
             },
         }

@@ -241,7 +241,7 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
         writeln!(out)?;
     }
     for question in open {
-        writeln!(out, "unknown: {}", asked(question, *interval))?;
+        writeln!(out, "unknown: {}", describe_question(question, *interval))?;
     }
     Ok(())
 }
@@ -272,7 +272,7 @@ const NO_MODES: &str = "growth is evaluated by the spectral lines of the output,
 const STATES_TELL: &str =
     "amontons-stability states computes the growth rate of each mode without a run";
 
-fn asked(question: &OpenQuestion, interval: f64) -> String {
+fn describe_question(question: &OpenQuestion, interval: f64) -> String {
     let change = |phase: &Phase, until: &str| {
         format!(
             "a mode {} by a factor of {:.3} {until}, with a {} {}",
