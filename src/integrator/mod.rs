@@ -256,9 +256,9 @@ pub enum StepFailure {
         /// The contact, from 0.
         contact: usize,
     },
-    /// Contacts changed their states within one step at more instants than the event-driven method follows.
-    TooManyInstants {
-        /// Largest number of instants in a step.
+    /// Contacts changed their states within one step more often than the event-driven method follows.
+    TooManyChanges {
+        /// Largest number of changes in a step; those of several contacts at one time count once.
         most: u64,
     },
     /// Friction wedges this contact (from 0): no force satisfies its law (Painlevé).

@@ -43,9 +43,8 @@ impl Simulation {
             StepFailure::TooManyEvents { contact } => {
                 format!("{} changed its state too many times at one instant", contact_name(contact))
             }
-            StepFailure::TooManyInstants { most } => format!(
-                "contacts changed their states at more than {most} instants of one internal step; lower \
-                 integrator.step"
+            StepFailure::TooManyChanges { most } => format!(
+                "contacts changed their states more than {most} times in one internal step; lower integrator.step"
             ),
             StepFailure::TooManySeries { most } => format!(
                 "one internal step took more than {most} power series; lower integrator.step, or look for \

@@ -382,7 +382,7 @@ impl<W: MotionObserver> EventDriven<W> {
                     return Err(StepFailure::TooManyEvents { contact });
                 }
                 if events > MAX_EVENTS * contacts {
-                    return Err(StepFailure::TooManyInstants { most: MAX_EVENTS * contacts });
+                    return Err(StepFailure::TooManyChanges { most: MAX_EVENTS * contacts });
                 }
             }
         }
