@@ -1,10 +1,15 @@
-//! Bisection, and the norm and the range of a set of values.
+//! Bisection, and norms and the range of a set of values.
 
 /// Maximum norm ‖x‖∞: the largest magnitude of some values, in their unit; 0 of none. Values that are not a number are
 /// ignored.
 #[must_use]
 pub fn max_norm(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
+}
+
+/// Euclidean norm ‖x‖₂ of some values, in their unit; 0 of none.
+pub fn euclidean_norm(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |sum, value| sum + value * value).sqrt()
 }
 
 /// The smallest and the largest of some values, in their unit; `[∞, −∞]` of none. Values that are not a number are

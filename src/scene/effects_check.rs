@@ -54,7 +54,7 @@ fn report_own_friction(scene: &Scene, about: LawInfo, checks: &mut Checks<'_>) {
         ];
         let unused = own.into_iter().filter(|(_, of_law, _)| !about.keys.contains(of_law));
         for (key, value) in unused.filter_map(|(key, _, value)| Some((key, value?))) {
-            let message = format!("the scene's law of friction is \"{}\"", about.name);
+            let message = format!("the scene's law \"{}\" does not use this key", about.name);
             let problem = checks.problem(Owner::Contact(i), key, message).of(value);
             checks.problems.push(problem.help("leave it out, or give [friction] another law"));
         }

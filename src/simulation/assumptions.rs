@@ -46,9 +46,9 @@ fn words(simulation: &Simulation, [has_slipped, has_pulled, has_others]: [bool; 
     });
     let others = has_others.then(|| {
         format!(
-            "up to {time} s the law of contact had more than one solution, {other_solutions} times: each \
-             contact kept its state as long as the law allowed it; other motions are possible too, and another \
-             program may compute one of them"
+            "up to {time} s the law of contact had more than one solution (number of cases: {other_solutions}): \
+             each contact kept its state as long as the law allowed it; other motions are possible too, and \
+             another program may compute one of them"
         )
     });
     slips.into_iter().chain(pulls).chain(others).collect()

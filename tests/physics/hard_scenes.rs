@@ -326,7 +326,7 @@ fn of_two_solutions_the_motion_stays_in_the_one_it_is_in() {
         let statistics = run.simulation.statistics();
         assert_eq!((statistics.state_changes(), statistics.other_solutions), (0, 1));
         let [note] = &broken_assumptions(&run.simulation)[..] else { panic!("{method}") };
-        assert!(note.contains("another solution"), "{note}");
+        assert!(note.contains("more than one solution"), "{note}");
         for force in run.forces() {
             assert_near(force.normal_force, expected, 1e-12 * expected);
         }

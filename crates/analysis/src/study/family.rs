@@ -10,6 +10,7 @@ use super::observation::ObservationSettings;
 use super::recurrence::{begin_fast, distance_per_step};
 use crate::stability::Linearised;
 use amontons::Error;
+use amontons::numerics::euclidean_norm;
 use amontons::simulation::Simulation;
 use std::f64::consts::TAU;
 
@@ -56,8 +57,9 @@ pub(super) fn is_one_of_many(
         return Ok(false);
     }
     let Some(modes) = neutral_modes(simulation) else { return Ok(true) };
-    let push = 4.0 * part * fastest;
     for mode in &modes {
+        // `fastest` is a norm over all degrees of freedom, and so is what the push is divided by.
+        let push = 4.0 * part * fastest / euclidean_norm(mode.shape.iter().copied());
         if !is_limited(&motion, mode, push, observation, is_over)? {
             return Ok(true);
         }

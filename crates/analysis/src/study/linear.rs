@@ -78,9 +78,9 @@ pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
     })
 }
 
-/// Deflection, m, that its load and the contact forces at rest, along the normal or the tangent, would cause in the
-/// degree of freedom that they bend most, each held by its own stiffness alone.
-pub(super) fn deflection(simulation: &Simulation) -> f64 {
+/// Deflections, m, that its load and the contact forces at rest, along the normal or the tangent, would cause in each
+/// degree of freedom, held by its own stiffness alone; 0 in one without stiffness.
+pub(super) fn deflections(simulation: &Simulation) -> Vec<f64> {
     let model = LumpedModel::from(&simulation.nominal().scene());
     let mut forces: Vec<f64> = model.load.iter().map(|load| load.abs()).collect();
     for (contact, normal_force) in model.contacts.iter().zip(&simulation.reference().normal_force) {
@@ -92,7 +92,7 @@ pub(super) fn deflection(simulation: &Simulation) -> f64 {
         let stiffness = model.stiffness.get(dof, dof);
         if stiffness > 0.0 { force / stiffness } else { 0.0 }
     };
-    forces.iter().enumerate().map(bend).fold(0.0, f64::max)
+    forces.iter().enumerate().map(bend).collect()
 }
 
 /// `true` if a motion is so large that loads and the motion of surfaces no longer matter: a million times the

@@ -21,8 +21,9 @@
 //!    that winds itself round a periodic one changes.
 
 use super::drive;
-use super::linear::deflection;
+use super::linear::deflections;
 use amontons::Error;
+use amontons::numerics::euclidean_norm;
 use amontons::scene::Method;
 use amontons::simulation::{Simulation, Snapshot};
 use serde::{Deserialize, Serialize};
@@ -94,9 +95,7 @@ impl Scale {
 
     /// Distance between two states, in parts of the motion's size.
     pub(super) fn distance(&self, a: &Simulation, b: &State) -> f64 {
-        let apart = |a: &[f64], b: &[f64]| {
-            a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
-        };
+        let apart = |a: &[f64], b: &[f64]| euclidean_norm(a.iter().zip(b).map(|(a, b)| a - b));
         let displacement = apart(a.displacement(), &b.displacement) / self.displacement;
         let velocity = apart(a.velocity(), &b.velocity) / self.velocity;
         displacement.max(velocity)
@@ -224,7 +223,7 @@ fn seek(
     let course = ResumedMotion { from: &begin.state, start: start.time() };
     let window = rows as f64 * interval;
     // Rounding of forces moves the state, too.
-    let rounding = FORCE_ROUNDING * deflection(simulation) / scale.displacement;
+    let rounding = FORCE_ROUNDING * euclidean_norm(deflections(simulation)) / scale.displacement;
     let closed = CLOSED.max(WOBBLE * distance_per_step(simulation, frequency)).max(rounding);
     let enough = enough.max(closed).min(COMES_BACK);
     let begin = &begin;
@@ -498,9 +497,7 @@ pub(super) fn begin_fast(
     window: u64,
 ) -> Result<Scale, Error> {
     let start = simulation.time();
-    let speed = |simulation: &Simulation| {
-        simulation.velocity().iter().fold(0.0, |sum, v| sum + v * v).sqrt()
-    };
+    let speed = |simulation: &Simulation| euclidean_norm(simulation.velocity().iter().copied());
     let rows = (2.0 / (frequency * interval)).ceil().min(window as f64);
     let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; 2 * simulation.displacement().len()];
     let mut fastest = 0.0;
@@ -517,9 +514,8 @@ pub(super) fn begin_fast(
         row += 1.0;
         simulation.advance_to(start + row * interval)?;
     }
-    let half = |ranges: &[[f64; 2]]| {
-        ranges.iter().fold(0.0, |sum, [low, high]| sum + 0.25 * (high - low) * (high - low)).sqrt()
-    };
+    let half =
+        |ranges: &[[f64; 2]]| euclidean_norm(ranges.iter().map(|[low, high]| 0.5 * (high - low)));
     let (displacements, velocities) = ranges.split_at(ranges.len() / 2);
     let scale = Scale { displacement: half(displacements), velocity: half(velocities) };
     for _ in 0..rows as usize {

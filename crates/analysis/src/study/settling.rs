@@ -10,7 +10,7 @@ use super::drive::{is_repeated, last_edge, period};
 use super::fading::{ObservedCycle, lasting};
 use super::family::{frequencies_of_sum, is_one_of_many};
 use super::linear::{
-    GrowthRate, deflection, growth, has_linear_friction, has_states_of_rest, is_far, may_pull,
+    GrowthRate, deflections, growth, has_linear_friction, has_states_of_rest, is_far, may_pull,
     stays_linear,
 };
 use super::long_term::{Kind, LongTermMotion};
@@ -63,7 +63,7 @@ pub(crate) struct Settling {
     before: Statistics,
     /// Time from which on signals only repeat themselves, s.
     last_edge: f64,
-    /// Deflection of the structure by the forces at rest, m: [`deflection`].
+    /// The largest deflection of the structure by the forces at rest, m: [`deflections`].
     deflection: f64,
     /// Number of windows that have ended.
     windows: usize,
@@ -104,7 +104,7 @@ impl Settling {
             linear: false,
             before: simulation.statistics(),
             last_edge: last_edge(simulation.scene()),
-            deflection: deflection(simulation),
+            deflection: max_norm(&deflections(simulation)),
             windows: 0,
             #[allow(clippy::cast_possible_truncation)]
             seen: Windows::new(observation.rows() as usize, observation.interval),

@@ -71,7 +71,7 @@ pub(super) enum Trend {
 #[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
     /// The largest displacement, m, of the motion, and of the equilibrium or what loads would bend
-    /// ([`deflection`](super::linear::deflection)).
+    /// ([`deflections`](super::linear::deflections)).
     pub(super) largest: f64,
     pub(super) at_rest: f64,
     /// `true` where signals still drive the motion.
