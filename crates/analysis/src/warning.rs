@@ -6,7 +6,7 @@ use amontons::model::LumpedModel;
 use amontons::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
 use amontons::simulation::Simulation;
 use amontons::simulation::catalogue::{Quantity, variables};
-use amontons::stability::critical_step;
+use amontons::stability::{Origin, critical_step};
 
 /// A critical step this many times the given one is more than accuracy asks for.
 const SUSPICIOUS: f64 = 1e3;
@@ -21,6 +21,9 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     }
     let critical = critical_step(&LumpedModel::from(scene)).ok()?;
     let (step, relation) = match scene.step {
+        step if step > critical.step && critical.origin == Origin::Bound => {
+            (step, "possibly above the critical step")
+        }
         step if step > critical.step => (step, "above the critical step"),
         step if SUSPICIOUS * step < critical.step => {
             (step, "more than a thousand times below the critical step")
