@@ -49,7 +49,7 @@
 //! 6. **Undecided**: y has no line; or the scheme moves by more than 2e-3 of the motion's size in one step, too far
 //!    to tell the kinds apart.
 //! 7. **Periodic**: the state comes back after a shortest period, to 1e-6 of the motion's size or rounding; or it
-//!    comes back to 2e-3, and nearer over four windows by about the same factor. By the paper's scheme, whose events
+//!    comes back to 2e-3, and nearer over six windows by about the same factor. By the paper's scheme, whose events
 //!    are late by up to a step, coming back within the way of four steps is enough. A state that comes back to 2e-3
 //!    and no nearer makes the motion wait for the last window. A search in vain is repeated every fourth window, and
 //!    with a drive whose period is longer than a window every 12th.

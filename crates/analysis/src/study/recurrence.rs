@@ -15,15 +15,16 @@
 //! 2. Candidates T are the multiples of the drive's period; then, if none of these closes, each time at which the
 //!    motion passes the plane (x − x_0) · ẋ_0 = 0 upwards near z_0, once it has been farther away than [`NEAR`].
 //! 3. A candidate is a return if the distance of z(t) and z(t + T), root mean square over T, is at most 2e-3.
-//!    It is closed up to 1e-6, or the way of four steps of the paper's scheme, ω h each, or the rounding of forces.
-//! 4. If it is not closed, 2 T, 3 T and 4 T are tried: the return may be that after a part of the period.
+//!    It is closed up to 1e-6 of the largest half-range, or the way of four steps of the paper's scheme, ω h each, or the rounding of forces.
+//!    A window later it must be as near, or it is the passage of an unstable periodic motion.
+//! 4. If it is not closed, 2 T to 16 T are tried: the return may be that after a part of the period.
 //! 5. It is the shortest period if the nearest return before it keeps its distance over a window: that of a motion
 //!    that winds itself round a periodic one changes.
 
 use super::drive;
 use super::linear::deflections;
 use amontons::Error;
-use amontons::numerics::euclidean_norm;
+use amontons::numerics::{euclidean_norm, max_norm};
 use amontons::scene::Method;
 use amontons::simulation::{Simulation, Snapshot};
 use serde::{Deserialize, Serialize};
@@ -50,17 +51,21 @@ const MOST_WOBBLE: f64 = 10.0;
 const FORCE_ROUNDING: f64 = 1e-15;
 /// Rows between two questions whether anyone still waits.
 const ROWS_AT_ONCE: f64 = 256.0;
-/// From one window to the next a state that converges comes back nearer each time, by about the same factor: the
-/// largest of the last three factors is at most this times the smallest.
+/// A state that converges comes back nearer from window to window over this many windows. A small part of the motion
+/// that does not come back is at random distances, of which six fall evenly once in some 1e5 times.
+const CLOSING_WINDOWS: usize = 6;
+/// It comes nearer by about the same factor each time: the largest factor is at most this times the smallest.
 const SAME_FACTOR: f64 = 1.5;
-/// A convergence does not slow down if the difference of the factor from 1 is, at the last of three windows, still
-/// this part of what it was at the first.
+/// A convergence does not slow down if the difference of the factor from 1 is, at the last window, still this part of
+/// what it was at the first.
 const SAME_SPEED: f64 = 0.9;
 /// A shorter return of a periodic motion is as far away one or more periods later, to this part of its distance.
 const SAME_RETURN: f64 = 0.02;
-/// A return that is not near enough may be that after a part of the period, up to a fourth: then the state comes back
-/// after the whole period to this part of that distance or less.
-const MOST_PARTS: u32 = 4;
+/// What comes back as near as this is at rounding's distance, and does not leave again.
+const SAME_STATE: f64 = 1e-9;
+/// A return that is not near enough may be that after a part of the period, up to a sixteenth: then the state comes
+/// back after the whole period to this part of that distance or less.
+const MOST_PARTS: u32 = 16;
 const NEARER: f64 = 0.1;
 
 /// The return of a motion to its earlier state.
@@ -85,6 +90,8 @@ pub(super) struct Scale {
     /// Euclidean norm of the half-ranges of all displacements, m, and of all velocities, m/s.
     displacement: f64,
     pub(super) velocity: f64,
+    /// The half-range of the displacement or velocity that varies most, in parts of these norms; the smaller one.
+    largest: f64,
 }
 
 impl Scale {
@@ -114,6 +121,11 @@ impl State {
             displacement: simulation.displacement().to_vec(),
             velocity: simulation.velocity().to_vec(),
         }
+    }
+
+    /// Square of the norm of all velocities, m²/s².
+    fn squared_speed(&self) -> f64 {
+        self.velocity.iter().fold(0.0, |sum, v| sum + v * v)
     }
 
     /// Position of a simulation along the direction in which this state moves, m²/s: zero where it passes this state.
@@ -224,7 +236,9 @@ fn seek(
     let window = rows as f64 * interval;
     // Rounding of forces moves the state, too.
     let rounding = FORCE_ROUNDING * euclidean_norm(deflections(simulation)) / scale.displacement;
-    let closed = CLOSED.max(WOBBLE * distance_per_step(simulation, frequency)).max(rounding);
+    let exact = CLOSED * scale.largest;
+    let inexact = rounding.max(WOBBLE * distance_per_step(simulation, frequency));
+    let closed = exact.max(inexact);
     let enough = enough.max(closed).min(COMES_BACK);
     let begin = &begin;
     search(&PeriodFinder {
@@ -236,6 +250,7 @@ fn seek(
         window,
         enough,
         closed,
+        inexact,
         is_over,
     })
 }
@@ -269,6 +284,8 @@ struct PeriodFinder<'a> {
     enough: f64,
     /// A return that is so near over the whole period is one.
     closed: f64,
+    /// A periodic motion may come back no nearer, for rounding and late events of the paper's scheme.
+    inexact: f64,
     is_over: &'a dyn Fn() -> bool,
 }
 
@@ -358,13 +375,29 @@ impl PeriodFinder<'_> {
         }
         if distance > self.closed {
             let mut motion = Simulation::resume(there.state.clone())?;
+            let mut before = there.state.clone();
+            let mut best: Option<(Return, f64)> = None;
             for parts in (2..=MOST_PARTS).map(f64::from) {
-                let whole = self.bring(&mut motion, parts * part)?;
-                let most = NEARER * distance;
+                let near = self.bring(&mut motion, parts * part)?;
+                let most = NEARER * best.as_ref().map_or(distance, |(_, distance)| *distance);
+                let before = std::mem::replace(&mut before, near.state);
+                // Over the whole period it may be nearer than at its end.
+                if self.scale.distance(&motion, &self.origin) > 4.0 * most {
+                    continue;
+                }
+                // What has not come back after a part of the period delays the passage there by a little.
+                let late = self.origin.passed(&motion) / self.origin.squared_speed();
+                let whole = self.bring(&mut Simulation::resume(before)?, near.after - late)?;
                 let nearer = self.distance_over([self.begin, &whole], whole.after, most)?;
                 if nearer <= most {
-                    return self.closure(&whole, nearer, Some(there)).map(Some);
+                    best = Some((whole, nearer));
+                    if nearer <= self.closed {
+                        break;
+                    }
                 }
+            }
+            if let Some((whole, nearer)) = best {
+                return self.closure(&whole, nearer, Some(there)).map(Some);
             }
         }
         self.closure(there, distance, nearest.map(|(_, nearest)| nearest)).map(Some)
@@ -383,7 +416,23 @@ impl PeriodFinder<'_> {
             None => true,
             Some(shorter) => self.stays_away(shorter, there, distance)?,
         };
-        Ok(Closure { period, distance, is_shortest, is_closed: distance <= self.closed })
+        let is_closed = distance <= self.closed && self.stays_near(there, distance)?;
+        Ok(Closure { period, distance, is_shortest, is_closed })
+    }
+
+    /// `true` if the return after a period comes as near a window later. A motion that passes an unstable periodic one
+    /// is near it for a while, and leaves it again.
+    fn stays_near(&self, there: &Return, distance: f64) -> Result<bool, Error> {
+        let most = (2.0 * distance).max(self.inexact).max(SAME_STATE);
+        if distance <= SAME_STATE {
+            return Ok(true);
+        }
+        let period = there.after;
+        let later = period * (self.window / period).ceil();
+        let mut motion = Simulation::resume(there.state.clone())?;
+        let from = self.bring(&mut motion, later)?;
+        let to = self.bring(&mut motion, later + period)?;
+        Ok(self.distance_over([&from, &to], period, most)? <= most)
     }
 
     /// `true` if a shorter return is as far away some periods later. The motion is at `distance` from itself after
@@ -448,10 +497,10 @@ fn keep_nearest(nearest: &mut Option<(f64, Return)>, away: f64, there: Return) {
 }
 
 /// `true` if the state comes back nearer from window to window, by about the same factor below 0.95 each time, over
-/// four windows with periods within 1 %. A motion that only passes near the place where a periodic motion has ceased
+/// [`CLOSING_WINDOWS`] windows with periods within 1 %. A motion that only passes near the place where a periodic motion has ceased
 /// to exist comes nearer by ever less.
 pub(super) fn is_closing(closures: &[Closure]) -> bool {
-    let Some(first) = closures.len().checked_sub(4) else { return false };
+    let Some(first) = closures.len().checked_sub(CLOSING_WINDOWS) else { return false };
     let last = &closures[first..];
     let same = last.windows(2).all(|two| have_same_period(&two[0], &two[1]));
     let factors: Vec<f64> = last.windows(2).map(|two| two[1].distance / two[0].distance).collect();
@@ -459,7 +508,7 @@ pub(super) fn is_closing(closures: &[Closure]) -> bool {
         factors.iter().copied().fold(f64::INFINITY, f64::min),
         factors.iter().copied().fold(0.0, f64::max),
     ];
-    let keeps_speed = 1.0 - factors[2] >= SAME_SPEED * (1.0 - factors[0]);
+    let keeps_speed = 1.0 - factors[factors.len() - 1] >= SAME_SPEED * (1.0 - factors[0]);
     same && most < 0.95 && most <= SAME_FACTOR * least && keeps_speed
 }
 
@@ -514,10 +563,12 @@ pub(super) fn begin_fast(
         row += 1.0;
         simulation.advance_to(start + row * interval)?;
     }
-    let half =
-        |ranges: &[[f64; 2]]| euclidean_norm(ranges.iter().map(|[low, high]| 0.5 * (high - low)));
-    let (displacements, velocities) = ranges.split_at(ranges.len() / 2);
-    let scale = Scale { displacement: half(displacements), velocity: half(velocities) };
+    let halves: Vec<f64> = ranges.iter().map(|[low, high]| 0.5 * (high - low)).collect();
+    let (displacements, velocities) = halves.split_at(halves.len() / 2);
+    let [displacement, velocity] =
+        [displacements, velocities].map(|halves| euclidean_norm(halves.iter().copied()));
+    let largest = (max_norm(displacements) / displacement).min(max_norm(velocities) / velocity);
+    let scale = Scale { displacement, velocity, largest };
     for _ in 0..rows as usize {
         if speed(simulation) >= 0.8 * fastest {
             break;

@@ -161,13 +161,13 @@ fn neighbour(
     let mut neighbour = Simulation::resume(motion.save())?;
     let mut is_apart = vec![false; count];
     // A state that undoes a push continues to do so until a contact changes its state.
-    let mut tried_in = Vec::new();
+    let mut tried_in = None;
     for row in 1..=rows {
         if is_over() || is_apart.iter().all(|apart| *apart) {
             break;
         }
-        if tried_in != motion.contact_states() {
-            tried_in = motion.contact_states().to_vec();
+        if tried_in.as_deref() != Some(motion.contact_states()) {
+            tried_in = Some(motion.contact_states().to_vec());
             for dof in (0..count).filter(|dof| !is_apart[*dof]) {
                 // Equal masses that move alike, pushed by equal parts, would part in no other way.
                 let part = (dof + 1) as f64 / count as f64;

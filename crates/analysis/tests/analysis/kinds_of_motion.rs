@@ -63,11 +63,12 @@ fn ending(scene: &Scene, window: Option<f64>) -> LongTermMotion {
 }
 
 /// The end of a scene's motion, observed with these settings.
-fn observed(scene: &Scene, request: &ObservationRequest<'_>) -> LongTermMotion {
+pub fn observed(scene: &Scene, request: &ObservationRequest<'_>) -> LongTermMotion {
+    let has_contacts = scene.contact_count() > 0;
     let prepare = |scene: &mut Scene| ObservationSettings::paced(scene, request);
     let question = Question {
-        name: "slider.velocity".to_owned(),
-        values: vec![scene.slider.velocity],
+        name: if has_contacts { "slider.velocity" } else { "mass.o1.mass" }.to_owned(),
+        values: vec![if has_contacts { scene.slider.velocity } else { 1.0 }],
         resolution: 0.1,
         portraits: Some(Vec::new()),
         contacts: 0,

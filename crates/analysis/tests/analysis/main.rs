@@ -2,6 +2,7 @@
 
 mod bistable;
 mod effects_of_contact;
+mod faint_parts;
 mod kinds_of_motion;
 mod linearity_limit;
 mod network_stability;

@@ -281,7 +281,7 @@ fn bistable(case: &Case, folder: &Path) -> Result<Answer, String> {
     let (out, err) = ask(EIGENVALUES, folder, &["bistable", "scene.toml", "--friction", &range])?;
     // From where to where uniform sliding is said to be stable.
     let mut stable = Vec::new();
-    for line in out.lines().filter(|line| line.contains("is stable")) {
+    for line in out.lines().filter(|line| line.trim_start().starts_with("is stable")) {
         let numbers: Vec<f64> =
             line.split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
         match numbers[..] {

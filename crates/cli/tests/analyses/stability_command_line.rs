@@ -514,7 +514,7 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
         (
             &["locus", "set1", "--parameter", "module[1].k1=1:9:1", "--set", "slider.velocity=0"],
             3,
-            &["stands"],
+            &["no surface moves"],
         ),
         (&["locus", "set1", "--friction", "0:3.5"], 2, &["A:B:STEP"]),
         (&["locus", "set1", "--friction", "3:0:0.1"], 2, &["below the last"]),
@@ -522,7 +522,11 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
         (&["locus", "set1", "--friction", "0:1:0.1", "--plot", "a.pdf"], 1, &[".svg", ".png"]),
         (&["bistable", "set1", "--friction", "2"], 2, &["A:B"]),
         (&["bistable", "set1", "--friction", "-1:1"], 3, &["friction.coefficient", "negative"]),
-        (&["bistable", "set1", "--friction", "0:1", "--set", "slider.velocity=0"], 3, &["stands"]),
+        (
+            &["bistable", "set1", "--friction", "0:1", "--set", "slider.velocity=0"],
+            3,
+            &["no surface moves"],
+        ),
         (
             &["bistable", "set1", "--friction", "0:1", "--set", "module[1].preload=-0.1"],
             3,

@@ -212,8 +212,9 @@ fn an_interrupted_plane_is_finished_as_if_it_had_not_been() {
     );
     // The number of points that are not run is printed; on request every point is run.
     let filled_in = csv.lines().filter(|line| line.ends_with(",filled in")).count();
-    let said =
-        |output: &Output| text(&output.stdout).contains(&format!("{filled_in} were not run"));
+    let said = |output: &Output| {
+        text(&output.stdout).contains(&format!("{filled_in} points were not run"))
+    };
     assert!(filled_in > 100 && said(&whole), "{}", text(&whole.stdout));
     let json = fs::read_to_string(folder.path().join("whole/study.json")).unwrap();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();

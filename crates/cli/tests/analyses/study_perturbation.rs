@@ -243,7 +243,7 @@ fn the_program_tells_and_draws_thresholds() {
     let output = amontons(folder.path(), &arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let told = text(&output.stdout);
-    for word in ["rest", "Hz", "thresholds, to 5e-2", "below 1, above"] {
+    for word in ["rest", "Hz", "thresholds, to a relative accuracy of 5e-2", "below 1, above"] {
         assert!(told.contains(word), "{word} is missing in {told}");
     }
     let read = |file: &str| std::fs::read_to_string(folder.path().join("out").join(file)).unwrap();

@@ -129,7 +129,8 @@ fn why_it_is_not_known_whether_a_motion_has_settled_is_said_once() {
     let told: Vec<&str> = notes.lines().filter(|line| line.contains("unknown")).collect();
     assert!(
         told.len() == 1
-            && told[0].contains("3 values, the first spring.hold.stiffness = 90.0: a window of ")
+            && told[0]
+                .contains("3 values, the first at spring.hold.stiffness = 90.0: a window of ")
             && told[0].contains("5 periods of the slowest mode"),
         "{notes}"
     );

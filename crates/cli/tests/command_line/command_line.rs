@@ -250,7 +250,11 @@ fn impossible_scenes_are_refused_with_what_would_be_right() {
         ("m1 = 0.3 ", "m1 = nan ", &["ring.m1", "finite"]),
         ("modules = 2", "modules = 0", &["ring.modules = 0", "1 to 100000"]),
         ("module = 1", "module = 3", &["initial[1].module = 3", "1 to 2"]),
-        ("v1 = 1.0e-7", "v1 = 1\n[[initial]]\nmodule = 1", &["initial[2].module = 1", "twice"]),
+        (
+            "v1 = 1.0e-7",
+            "v1 = 1\n[[initial]]\nmodule = 1",
+            &["initial[2].module = 1", "more than one [[initial]]"],
+        ),
         ("angle = 0.5", "angle = 30.0", &["slider.angle = 30", "0.5236"]),
         ("v1 = 1.0e-7", "x4 = -1.0e-7", &["initial[1].x4", "inside the slider"]),
         ("step = 1.0e-6", "step = 2.0e-3", &["critical step", "3.0196e-4", "Sl-Sl, coalesced"]),
