@@ -473,7 +473,7 @@ fn eigenvalues_say_what_of_the_scene_they_leave_out() {
     assert!(driven.len() == 2 && driven[0].contains("signals"), "{driven:?}");
     assert!(driven[1].contains("step of 0.0001 s"), "{driven:?}");
     let falling = said(include_str!("../../../../scenes/effects/stribeck.toml"));
-    assert!(falling.len() == 2 && falling[0].contains("steps of"), "{falling:?}");
+    assert!(falling.len() == 2 && falling[0].contains("step of 2e-5 s"), "{falling:?}");
     assert!(falling[1].contains("slip velocity"), "{falling:?}");
 }
 
