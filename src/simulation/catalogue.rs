@@ -358,7 +358,7 @@ mod tests {
         }
     }
 
-    /// Of names that count, as x1 … x4, the first stands for all.
+    /// The first of numbered names, as x1 … x4, stands for all.
     #[test]
     fn the_readme_names_every_variable() {
         let readme = include_str!("../../README.md");

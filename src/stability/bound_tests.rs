@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-/// What the contacts of a random structure touch.
+/// The arrangement of the contacts of a random structure.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ContactShape {
     /// A disc and pads around it, each on springs of its own.

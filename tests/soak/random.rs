@@ -28,12 +28,12 @@ impl Random {
         from + (to - from) * self.unit()
     }
 
-    /// Over some orders of magnitude, each order as often.
+    /// A number between two of the same sign; each order of magnitude between them is as likely.
     pub fn wide(&mut self, from: f64, to: f64) -> f64 {
         self.between(from.ln(), to.ln()).exp()
     }
 
-    /// The same, of either sign.
+    /// A number of either sign whose magnitude is between these; each order of magnitude is as likely.
     pub fn signed(&mut self, from: f64, to: f64) -> f64 {
         let size = self.wide(from, to);
         if self.chance(0.5) { size } else { -size }

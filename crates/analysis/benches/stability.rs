@@ -303,7 +303,7 @@ fn assert_values_agree(ours: &[Values], theirs: &[Values]) -> f64 {
     worst
 }
 
-/// As [`assert_values_agree`], but for clusters: LAPACK's eigenvalues that a chain of neighbours nearer
+/// Compares eigenvalues in clusters, where [`assert_values_agree`] compares single ones: LAPACK's eigenvalues that a chain of neighbours nearer
 /// than [`CLUSTER`] joins, and ours that are nearest to one of these. One of them alone must agree to
 /// [`TOLERANCE`]. Of m together, where one value may be uncertain by a root of the precision, both must
 /// have as many, and the means of (σ − c)^p for p from 1 to m, c being LAPACK's mean, must agree to

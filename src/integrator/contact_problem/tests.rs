@@ -407,7 +407,7 @@ impl RandomContacts {
         problem
     }
 
-    /// How far forces (N, T of each contact) are from the law, in parts of the terms of what they are compared with.
+    /// Residual of the law under forces (N, T of each contact), in parts of the terms that it compares.
     fn missed(&self, forces: &DVector<f64>) -> f64 {
         let acceleration = &self.delassus * forces + &self.free;
         let terms = self.delassus.abs() * forces.abs() + self.free.abs();
@@ -464,8 +464,8 @@ impl RandomContacts {
         })
     }
 
-    /// Does another motion than that under these forces obey the law, in a state whose equations are regular? Another
-    /// one has an acceleration that differs by more than a part of the terms that it is the sum of.
+    /// `true` if another motion than that under these forces obeys the law, in a state whose equations are regular.
+    /// Another one has an acceleration that differs by more than a part of the terms that it is the sum of.
     fn has_another_motion(&self, forces: &DVector<f64>, part: f64) -> bool {
         let acceleration = |forces: &DVector<f64>| &self.delassus * forces + &self.free;
         let taken = acceleration(forces);

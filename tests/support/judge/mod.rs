@@ -264,12 +264,12 @@ impl Run {
         self.jump(1);
     }
 
-    /// Several internal steps; `before` is where the last one begins.
+    /// Takes several internal steps; `before` is where the last one begins.
     pub fn jump(&mut self, count: u64) {
         self.try_jump(count).unwrap();
     }
 
-    /// The same, where the contacts may not be solved.
+    /// Takes several internal steps, or returns the error of one whose contact forces are not found.
     pub fn try_jump(&mut self, count: u64) -> Result<(), Error> {
         if count > 1 {
             self.reported = None;

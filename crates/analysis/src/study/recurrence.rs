@@ -61,7 +61,7 @@ const SAME_FACTOR: f64 = 1.5;
 const SAME_SPEED: f64 = 0.9;
 /// A shorter return of a periodic motion is as far away one or more periods later, to this part of its distance.
 const SAME_RETURN: f64 = 0.02;
-/// What comes back as near as this is at rounding's distance, and does not leave again.
+/// A state that comes back as near as this is at the distance of rounding, and does not leave again.
 const SAME_STATE: f64 = 1e-9;
 /// A return that is not near enough may be that after a part of the period, up to a sixteenth: then the state comes
 /// back after the whole period to this part of that distance or less.
