@@ -7,6 +7,13 @@ use std::path::Path;
 /// An error of Amontons, with a message that says what is wrong, where, and what would be right.
 ///
 /// The kinds are private so that they can grow; the `is_*` methods tell them apart.
+///
+/// ```
+/// use amontons::scene::parse;
+///
+/// let error = parse("empty", "").unwrap_err();
+/// assert!(error.is_scene() && !error.is_step());
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct Error(Box<ErrorKind>);
 

@@ -17,6 +17,15 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// The kinematic state of a contact (paper, section 2.1). The numbers are those of the FMU's enumeration.
+///
+/// ```
+/// use amontons::contact::ContactState::{Slide, Stick};
+/// use amontons::contact::{all_states, parse_states};
+///
+/// assert_eq!(parse_states("Sl-St", 2)?, [Slide, Stick]);
+/// assert_eq!(all_states(2).count(), 16);
+/// # Ok::<(), amontons::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum ContactState {
@@ -46,6 +55,14 @@ impl ContactState {
 }
 
 /// The parts of the law of contact that are in force. The step does not evaluate the parts that are left out.
+///
+/// ```
+/// use amontons::contact::ContactState::{Detached, Stick};
+/// use amontons::contact::{ContactLaw, Law};
+///
+/// let law = ContactLaw { friction: Law::Coulomb, sticking: true, detachment: false };
+/// assert!(law.allows(Stick) && !law.allows(Detached));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ContactLaw {
     /// The law of friction.
@@ -180,6 +197,17 @@ pub fn all_states(contacts: u32) -> impl Iterator<Item = Vec<ContactState>> {
 }
 
 /// The state and the forces of a contact at one instant.
+///
+/// ```
+/// use amontons::simulation::Simulation;
+///
+/// let scene = amontons::scene::builtin("set1").expect("a built-in scene").scene();
+/// let mut simulation = Simulation::new(scene, 0.0)?;
+/// for contact in simulation.contact_forces()? {
+///     assert!(contact.normal_force > 0.0, "{contact:?}");
+/// }
+/// # Ok::<(), amontons::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
     /// The state of the contact.

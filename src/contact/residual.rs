@@ -94,6 +94,23 @@ impl fmt::Display for Violation {
 }
 
 /// Returns the largest violation of the law by a contact.
+///
+/// ```
+/// use amontons::contact::Friction;
+/// use amontons::contact::residual::{Instant, Part, Scales, residual};
+///
+/// let sliding = Instant {
+///     gap: 0.0,
+///     gap_velocity: 0.0,
+///     slip_velocity: 0.1,
+///     normal_force: 10.0,
+///     friction_force: 3.0,
+/// };
+/// let scales = Scales { length: 1e-3, velocity: 0.1, force: 10.0 };
+/// assert_eq!(residual(&sliding, Friction::from(0.3), &scales).part, None);
+/// let feeding = Instant { friction_force: -3.0, ..sliding };
+/// assert_eq!(residual(&feeding, Friction::from(0.3), &scales).part, Some(Part::Feeding));
+/// ```
 #[must_use]
 pub fn residual(instant: &Instant, friction: Friction, scales: &Scales) -> Violation {
     let Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force } = *instant;

@@ -21,6 +21,14 @@ use crate::model::{Damping, LumpedModel};
 use serde::{Deserialize, Serialize};
 
 /// Position, velocity and contact states of a model at one instant, with the counts of the motion so far.
+///
+/// ```
+/// use amontons::contact::ContactState::Stick;
+/// use amontons::integrator::Motion;
+///
+/// let motion = Motion::new(vec![1e-3, 0.0], vec![0.0, 0.0], vec![Stick]);
+/// assert_eq!(motion.statistics.state_changes(), 0);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// Displacement x, m, relative to the reference position; closed contacts have a gap of exactly zero.
@@ -115,6 +123,14 @@ impl Statistics {
 ///
 /// The forward increment scheme takes the forces at the beginning and the velocities at the end of a step; the
 /// event-driven integrator lets both change linearly, plus the waves.
+///
+/// ```
+/// use amontons::integrator::Inputs;
+///
+/// // Two degrees of freedom without forces, one contact with v = 0.1 m/s and µ = 0.4.
+/// let inputs = Inputs::uniform(vec![0.0; 2], 1, 0.1, 0.4);
+/// assert_eq!(inputs.friction[0].kinetic, 0.4);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inputs {
     /// All forces but those of springs, dampers and contacts, N, at the beginning; one value for each degree of
@@ -281,6 +297,29 @@ pub enum StepFailure {
 }
 
 /// Advances a motion in time. Implementations allocate memory when they are made, never in a step.
+///
+/// ```
+/// use amontons::integrator::{Inputs, Method, Motion, choose};
+/// use amontons::model::LumpedModel;
+/// use amontons::scene::parse;
+///
+/// let scene = parse(
+///     "oscillator",
+///     "[integrator]\nmethod = \"event-driven\"\nstep = 1e-3\n\
+///      [[mass]]\nname = \"m\"\nmass = 1.0\nlocked = [\"y\"]\n\
+///      [[spring]]\nname = \"k\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = 100.0\n\
+///      [[initial]]\nmass = \"m\"\nx = 0.01\n",
+/// )?;
+/// let model = LumpedModel::from(&scene);
+/// let mut integrator = choose(&model, Method::EventDriven)?;
+/// let mut motion = Motion::new(vec![0.01], vec![0.0], Vec::new());
+/// let inputs = Inputs::uniform(vec![0.0], 0, 0.0, 0.0);
+/// // A hundred steps are half a period of ω = 10 rad/s.
+/// let step = std::f64::consts::PI / 1000.0;
+/// integrator.advance(&mut motion, &inputs, step, 100).expect("there is no contact");
+/// assert!((motion.displacement[0] + 0.01).abs() < 1e-14);
+/// # Ok::<(), amontons::Error>(())
+/// ```
 pub trait Integrator: Send {
     /// Takes `count` steps of length `step` (s).
     ///

@@ -7,6 +7,20 @@ use crate::numerics::bisect;
 use serde::{Deserialize, Serialize};
 
 /// A static equilibrium with every contact closed.
+///
+/// ```
+/// use amontons::assembly::equilibrium;
+/// use amontons::model::LumpedModel;
+///
+/// let scene = amontons::scene::builtin("set1").expect("a built-in scene").scene();
+/// let model = LumpedModel::from(&scene);
+/// let equilibrium = equilibrium(&scene, &model)?;
+/// for (normal, friction) in equilibrium.normal_force.iter().zip(&equilibrium.friction_force) {
+///     // The surface moves along the tangent, and T = µ N.
+///     assert!((friction - scene.friction().kinetic * normal).abs() < 1e-9 * normal);
+/// }
+/// # Ok::<(), amontons::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Equilibrium {
     /// Displacement X, m, from the unloaded position; one value for each degree of freedom.

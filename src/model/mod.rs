@@ -17,6 +17,15 @@ pub use sparse::{Entry, SparseMatrix};
 use crate::contact::{ContactLaw, Friction};
 
 /// A structure of masses and springs with frictional contacts, linear but for its contacts.
+///
+/// ```
+/// use amontons::model::LumpedModel;
+///
+/// let scene = amontons::scene::builtin("set1").expect("a built-in scene").scene();
+/// let model = LumpedModel::from(&scene);
+/// assert_eq!((model.dofs(), model.contacts.len()), (8, 2));
+/// assert_eq!(model.stiffness.get(0, 1), model.stiffness.get(1, 0));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LumpedModel {
     /// Mass matrix M, symmetric positive definite, kg; n × n.
@@ -73,6 +82,14 @@ impl Contact {
 }
 
 /// A direction in the space of the degrees of freedom, as its non-zero components.
+///
+/// ```
+/// use amontons::model::Direction;
+///
+/// let direction = Direction(vec![(0, 0.5), (2, 0.25)]);
+/// assert_eq!(direction.dot(&[2.0, 7.0, 4.0]), 2.0);
+/// assert_eq!(Direction::unit(1).as_unit(), Some(1));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction(pub Vec<(usize, f64)>);
 

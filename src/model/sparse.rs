@@ -1,6 +1,15 @@
 //! A sparse matrix by rows, independent of the order of assembly.
 
 /// A sparse matrix by rows.
+///
+/// ```
+/// use amontons::model::SparseMatrix;
+///
+/// let entries = vec![(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0)];
+/// let matrix = SparseMatrix::from_entries(2, entries);
+/// assert_eq!(matrix.row_times(0, &[3.0, 1.0]), 5.0);
+/// assert_eq!(matrix.as_diagonal(), None);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SparseMatrix {
     offsets: Vec<usize>,

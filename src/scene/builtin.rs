@@ -4,6 +4,14 @@ use super::{Scene, parse};
 use crate::Error;
 
 /// A scene built into the program.
+///
+/// ```
+/// use amontons::scene::builtin;
+///
+/// let set1 = builtin("set1").expect("a built-in scene").scene();
+/// assert_eq!(set1.contact_count(), 2);
+/// assert!(builtin("no such scene").is_none());
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Builtin {
     /// Name of the scene on the command line.

@@ -74,6 +74,25 @@ use serde::Deserialize;
 use std::sync::Arc;
 
 /// A structure in frictional contact, its inputs, and the settings of its run.
+///
+/// ```
+/// use amontons::scene::parse;
+///
+/// let scene = parse(
+///     "block",
+///     r#"
+///     integrator = { step = 1e-4 }                 # s
+///     slider = { velocity = 0.1, angle = 0.0 }     # m/s, rad
+///     friction = { coefficient = 0.4 }
+///     mass = [{ name = "block", mass = 1.0, force = [0.0, -10.0] }]
+///     spring = [{ name = "hold", between = ["block", "ground"], direction = "x", stiffness = 100.0 }]
+///     contact = [{ name = "belt", mass = "block" }]
+///     "#,
+/// )?;
+/// assert_eq!(scene.contact_count(), 1);
+/// assert_eq!(scene.dof_names(), ["mass.block.x", "mass.block.y"]);
+/// # Ok::<(), amontons::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Name of the scene: the stem of its file, or the name of the built-in scene.

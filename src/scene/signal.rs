@@ -36,6 +36,14 @@ impl Signal {
 }
 
 /// A function of the time t (s); values are in the unit of the input.
+///
+/// ```
+/// use amontons::scene::{Ramp, Shape};
+///
+/// let ramp = Shape::Ramp(Ramp { from: 0.0, to: 1.0, start: 0.0, end: 2.0 });
+/// assert_eq!(ramp.at(1.0, 0.0), 0.5);
+/// assert_eq!(ramp.at(5.0, 0.0), 1.0);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// Constant value at all times.

@@ -43,6 +43,14 @@ const STEP_DIGITS: usize = 12;
 const MOST_STEPS: f64 = 1e9;
 
 /// The method and step chosen for a tolerance.
+///
+/// ```
+/// use amontons::selection::select;
+///
+/// let scene = amontons::scene::builtin("set1").expect("a built-in scene").scene();
+/// let selected = select(&scene, 1e-3);
+/// assert!(selected.is_kept() && selected.step > 0.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Selected {
     /// The requested relative error.

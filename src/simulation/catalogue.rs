@@ -119,6 +119,15 @@ pub struct Enumeration {
 }
 
 /// A variable of one scene.
+///
+/// ```
+/// use amontons::scene::builtin;
+/// use amontons::simulation::variables;
+///
+/// let scene = builtin("set1").expect("a built-in scene").scene();
+/// let is_force = |name: &str| name == "contact[2].normal_force";
+/// assert!(variables(&scene).iter().any(|variable| is_force(&variable.name)));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
     /// Name of the variable, as importers and scripts see it.

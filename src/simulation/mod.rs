@@ -50,6 +50,24 @@ const CHUNK: u64 = 1 << 16;
 const UNASKED: u64 = 1_000_000;
 
 /// A simulation: a scene and its motion.
+///
+/// ```
+/// use amontons::scene::parse;
+/// use amontons::simulation::Simulation;
+///
+/// let scene = parse(
+///     "oscillator",
+///     "[integrator]\nmethod = \"event-driven\"\nstep = 1e-3\n\
+///      [[mass]]\nname = \"m\"\nmass = 1.0\nlocked = [\"y\"]\n\
+///      [[spring]]\nname = \"k\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = 100.0\n\
+///      [[initial]]\nmass = \"m\"\nx = 0.01\n",
+/// )?;
+/// let mut simulation = Simulation::new(scene, 0.0)?;
+/// // Half a period of ω = 10 rad/s.
+/// simulation.advance_to(std::f64::consts::PI / 10.0)?;
+/// assert!((simulation.displacement()[0] + 0.01).abs() < 1e-14);
+/// # Ok::<(), amontons::Error>(())
+/// ```
 pub struct Simulation {
     /// The scene with its effective values.
     scene: Scene,

@@ -14,6 +14,21 @@ use std::mem::{replace, take};
 use std::sync::Arc;
 
 /// A scene's parameters and inputs, each with a value.
+///
+/// ```
+/// use amontons::scene::builtin;
+/// use amontons::simulation::{Parameters, variables};
+///
+/// let scene = builtin("set2").expect("a built-in scene").scene();
+/// let all = variables(&scene);
+/// let friction = all.iter().find(|variable| variable.name == "friction.coefficient");
+/// let friction = friction.expect("the scene has friction");
+/// let mut parameters = Parameters::of(scene);
+/// parameters.set(friction, 1.96)?;
+/// assert_eq!(parameters.get(friction), Some(1.96));
+/// assert_eq!(parameters.scene().friction().kinetic, 1.96);
+/// # Ok::<(), amontons::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     layout: Arc<Layout>,

@@ -17,6 +17,22 @@ use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// Everything that a simulation needs to continue with the same doubles.
+///
+/// ```
+/// use amontons::scene::builtin;
+/// use amontons::simulation::Simulation;
+///
+/// let scene = builtin("set1").expect("a built-in scene").scene();
+/// let mut simulation = Simulation::new(scene, 0.0)?;
+/// simulation.advance_to(1e-3)?;
+/// let saved = simulation.save();
+/// simulation.advance_to(2e-3)?;
+/// let first = simulation.displacement().to_vec();
+/// simulation.restore(&saved)?;
+/// simulation.advance_to(2e-3)?;
+/// assert_eq!(simulation.displacement(), first);
+/// # Ok::<(), amontons::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     nominal: Parameters,

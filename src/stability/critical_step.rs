@@ -32,6 +32,24 @@ const MAX_DAMPED_WORK: f64 = 3e5;
 pub(super) const INVENTED_GROWTH: f64 = 1e-3;
 
 /// The largest step, s, at which the scheme lets no mode of any contact state grow that does not grow physically.
+///
+/// ```
+/// use amontons::model::LumpedModel;
+/// use amontons::scene::parse;
+/// use amontons::stability::critical_step;
+///
+/// let scene = parse(
+///     "oscillator",
+///     "[integrator]\nmethod = \"event-driven\"\nstep = 1e-3\n\
+///      [[mass]]\nname = \"m\"\nmass = 1.0\nlocked = [\"y\"]\n\
+///      [[spring]]\nname = \"k\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = 100.0\n\
+///      [[initial]]\nmass = \"m\"\nx = 0.01\n",
+/// )?;
+/// // 2/ω with ω = 10 rad/s.
+/// let critical = critical_step(&LumpedModel::from(&scene))?;
+/// assert!((critical.step - 0.2).abs() < 1e-6);
+/// # Ok::<(), amontons::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CriticalStep {
     /// Critical step h_c, s.

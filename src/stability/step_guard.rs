@@ -15,6 +15,16 @@ use crate::model::{Damping, LinearModel, LumpedModel, SlidingFriction};
 /// examined at once. Of these only those are examined in which a contact slides whose friction has changed since all
 /// states last admitted the step. Each is examined for this step alone; its limit is found only for the message of a
 /// refusal.
+///
+/// ```
+/// use amontons::model::LumpedModel;
+/// use amontons::stability::StepGuard;
+///
+/// let scene = amontons::scene::builtin("set1").expect("a built-in scene").scene();
+/// let model = LumpedModel::from(&scene);
+/// assert!(StepGuard::new(&model, 1e-6).check(&model).is_ok());
+/// assert!(StepGuard::new(&model, 1.0).check(&model).is_err());
+/// ```
 #[derive(Clone, Debug)]
 pub struct StepGuard {
     step: f64,

@@ -9,6 +9,17 @@ use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 /// Transformations of contact states of a ring that keep the eigenvalues.
+///
+/// ```
+/// use amontons::contact::ContactState::{Slide, Stick};
+/// use amontons::model::LumpedModel;
+/// use amontons::stability::Symmetry;
+///
+/// let scene = amontons::scene::builtin("ring12").expect("a built-in scene").scene();
+/// let symmetry = Symmetry::of(&LumpedModel::from(&scene));
+/// assert_eq!(symmetry, Symmetry::Ring);
+/// assert_eq!(symmetry.representative(&[Stick, Slide]), [Slide, Stick]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
     /// Modules differ: no two states are equivalent.

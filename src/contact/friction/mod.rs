@@ -31,6 +31,14 @@ pub use range::FrictionRange;
 use super::ContactState;
 
 /// The parameters of a contact's friction. A law ignores the parameters that it does not use.
+///
+/// ```
+/// use amontons::contact::{Friction, Law};
+///
+/// let friction = Friction::with_static(0.3, 0.5);
+/// assert_eq!(Law::StaticKinetic.at_slip(friction, 0.1), 0.3);
+/// assert_eq!(Friction::from(0.4).static_, 0.4);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Kinetic coefficient µ_k ≥ 0, for a contact that slips.

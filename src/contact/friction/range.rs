@@ -2,6 +2,13 @@
 
 /// The range of friction on a contact over its normal force: −`backward` ≤ T/N ≤ `forward` where friction holds the
 /// contact, ±`kinetic` where it slips.
+///
+/// ```
+/// use amontons::contact::FrictionRange;
+///
+/// let range = FrictionRange::of(0.3);
+/// assert!(range.holds(-2.9, 10.0) && !range.holds(3.1, 10.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionRange {
     /// Limit against the tangent.
