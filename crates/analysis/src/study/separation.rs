@@ -2,8 +2,8 @@
 //! exponentially, and quasi-periodic where they stay near over many windows; where neither can be shown, its kind
 //! stays undecided.
 //!
-//! 1. A neighbour starts [`APART`] away, in parts of the motion's size and in the distance of
-//!    [`recurrence`](super::recurrence).
+//! 1. A neighbour starts about [`APART`] away in the distance of [`recurrence`](super::recurrence): the velocity of the
+//!    k-th of n degrees of freedom differs by k/n of it.
 //! 2. Both are followed over 4 windows, then 8, 16 and 32. The distance is read where both have the same contact
 //!    states; farther away than [`PARTED`] or nearer than [`NEAR`] the neighbour is brought back to [`APART`], and
 //!    the growth so far is kept. g_1 and g_2 are the largest growths of the distance near the ends of the first and
