@@ -17,6 +17,8 @@
 //! | [`simulation`] | model and motion together: advance, read, write, save, restore |
 //! | [`fmi2`] | the C interface of FMI 2.0 for co-simulation |
 //!
+//! The glossary in `docs/glossary.md` gives the paper's term, the field's term and the code's name of each notion.
+//!
 //! All quantities are in SI units.
 
 pub mod assembly;
