@@ -22,8 +22,8 @@ pub struct Push {
 }
 
 impl Push {
-    /// The usual one of a scene: to the first degree of freedom that no contact lies along, else to the first that
-    /// The usual push of a scene: to the first degree of freedom that no contact lies along, else to the first that
+    /// The usual push of a scene: to the first degree of freedom that no contact lies along, else to the first along
+    /// which no contact opens; by a thousandth of the fastest surface's velocity, or 1e-6 m/s where all stand still.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let model = LumpedModel::from(scene);
@@ -41,7 +41,7 @@ impl Push {
         Self { dof, velocity: if fastest > 0.0 { SMALL * fastest } else { STANDING } }
     }
 
-    /// The usual one of a scene that rests in its equilibrium, where friction may hold it for ever: without initial
+    /// The usual push of a scene that rests in its equilibrium, where friction may hold it for ever: without initial
     /// displacements, initial velocities and signals. `None` of any other.
     #[must_use]
     pub fn of_resting(scene: &Scene) -> Option<Self> {
@@ -50,13 +50,13 @@ impl Push {
         rests.then(|| Self::of(scene))
     }
 
-    /// Gives it; to a faster motion the same part of its largest velocity, so that what grows beside a large cycle
-    /// is seen at once.
+    /// Gives the push; to a faster motion the same part of its largest velocity, so that growth beside a large cycle is
+    /// seen at once.
     pub(crate) fn give(&self, simulation: &mut Simulation) {
         self.give_part(simulation, 1.0);
     }
 
-    /// Gives so small a part of it.
+    /// Gives this part of the push.
     pub(crate) fn give_part(&self, simulation: &mut Simulation, part: f64) {
         let fastest = max_norm(simulation.velocity());
         simulation.push(self.dof, part * self.velocity.max(SMALL * fastest));
