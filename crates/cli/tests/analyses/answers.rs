@@ -13,6 +13,8 @@ use oracle::{Motion, Oracle, State};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
 
 /// An analysis answers in one of these ways.
@@ -530,27 +532,45 @@ fn without_numbers(message: &str) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
+/// Does work on each case, on all processors. The results have the order of the cases.
+fn on_each<T: Send>(cases: &[Case], work: impl Fn(&Case) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let results: Vec<Mutex<Option<T>>> = cases.iter().map(|_| Mutex::new(None)).collect();
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(|| {
+                while let Some(i) = Some(next.fetch_add(1, Relaxed)).filter(|i| *i < cases.len()) {
+                    *results[i].lock().unwrap() = Some(work(&cases[i]));
+                }
+            });
+        }
+    });
+    let results = results.into_iter().map(|result| result.into_inner().unwrap());
+    results.map(|result| result.expect("each case is worked on")).collect()
+}
+
 #[test]
 #[ignore = "takes minutes"]
 fn each_analysis_of_each_kind_of_scene_is_right_or_refused_or_says_what_it_leaves_out() {
     let only = std::env::var("AMONTONS_CASE").unwrap_or_default();
-    let (mut answers, mut wrong) = (Vec::new(), Vec::new());
-    for case in cases().iter().filter(|case| case.name.contains(&only)) {
+    let cases: Vec<Case> = cases().into_iter().filter(|case| case.name.contains(&only)).collect();
+    let rows = on_each(&cases, |case| {
         let folder = folder();
         std::fs::write(folder.path().join("scene.toml"), &case.file).unwrap();
-        let mut row = Vec::new();
-        for (name, analysis) in ANALYSES {
+        ANALYSES.map(|(name, analysis)| {
             let began = Instant::now();
             let answer = std::panic::catch_unwind(|| {
                 analysis(case, folder.path()).unwrap_or_else(Answer::Refused)
             });
             println!("{}, {name}: {:.1} s, {answer:?}", case.name, began.elapsed().as_secs_f64());
-            match answer {
-                Ok(answer) => row.push(answer),
-                Err(_) => wrong.push(format!("{}: {name}", case.name)),
-            }
-        }
-        answers.push((case.name, row));
+            answer.map_err(|_| format!("{}: {name}", case.name))
+        })
+    });
+    let (mut answers, mut wrong) = (Vec::new(), Vec::new());
+    for (case, row) in cases.iter().zip(rows) {
+        let (right, others): (Vec<_>, Vec<_>) = row.into_iter().partition(Result::is_ok);
+        answers.push((case.name, right.into_iter().flatten().collect()));
+        wrong.extend(others.into_iter().filter_map(Result::err));
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
     if only.is_empty() {
@@ -625,21 +645,23 @@ fn whatever_takes_eigenvalues_knows_the_law_of_friction_and_what_each_contact_ha
     // Over v eigenvalues change only where friction depends on it.
     let is_refused =
         |case: &Case, name: &str| name == "locus over v" && !case.name.starts_with("Stribeck");
-    let mut wrong = Vec::new();
-    for case in of_laws() {
+    let wrong = on_each(&of_laws(), |case| {
         let folder = folder();
         std::fs::write(folder.path().join("scene.toml"), &case.file).unwrap();
+        let mut wrong = Vec::new();
         for (name, analysis) in analyses {
-            let answer = std::panic::catch_unwind(|| analysis(&case, folder.path()));
+            let answer = std::panic::catch_unwind(|| analysis(case, folder.path()));
             let is_right = match &answer {
                 Ok(Ok(Answer::Right)) => true,
-                Ok(Err(_)) => is_refused(&case, name),
+                Ok(Err(_)) => is_refused(case, name),
                 _ => false,
             };
             if !is_right {
                 wrong.push(format!("{}, {name}: {answer:?}", case.name));
             }
         }
-    }
+        wrong
+    });
+    let wrong = wrong.concat();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
