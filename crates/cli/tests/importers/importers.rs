@@ -257,12 +257,12 @@ fn what_is_wrong_is_told() {
             "at 0.0005 s the static friction coefficient of contact[1] is 2.5",
         ),
         (&["nowhere.fmu"], "nowhere.fmu: there is no such file"),
-        (&["text.fmu"], "text.fmu: this is no FMU"),
+        (&["text.fmu"], "text.fmu: this is not an FMU"),
         (&["."], ".: this is a folder, not an FMU"),
         (&[&set1, "--set", "friction.coeficient=0.5"], "friction.coeficient: set1.fmu has no such"),
         (&[&set1, "--set", "friction"], "write it as NAME=VALUE"),
         (&[&drive, "--drive", &set1], "slider.tangential_reaction: drive.fmu has no such output"),
-        (&[&set1, "--interval", "3e-4"], "no whole number of --interval 0.0003"),
+        (&[&set1, "--interval", "3e-4"], "is not a whole multiple of --interval 0.0003"),
         (&[&set1, "--compare", "nowhere.csv"], "nowhere.csv: there is no such file"),
     ];
     for (given, sentence) in cases {
