@@ -423,10 +423,10 @@ impl PeriodFinder<'_> {
     /// `true` if the return after a period comes as near a window later. A motion that passes an unstable periodic one
     /// is near it for a while, and leaves it again.
     fn stays_near(&self, there: &Return, distance: f64) -> Result<bool, Error> {
-        let most = (2.0 * distance).max(self.inexact).max(SAME_STATE);
         if distance <= SAME_STATE {
             return Ok(true);
         }
+        let most = (2.0 * distance).max(self.inexact);
         let period = there.after;
         let later = period * (self.window / period).ceil();
         let mut motion = Simulation::resume(there.state.clone())?;
