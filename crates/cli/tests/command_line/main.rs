@@ -1,6 +1,7 @@
 //! The program as its user meets it, and what it writes: FMUs, their pages, reports.
 
 mod browser;
+mod build;
 #[path = "../../../../tests/support/callgrind.rs"]
 mod callgrind;
 mod check;

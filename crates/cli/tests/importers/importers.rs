@@ -3,12 +3,12 @@
 //! `examples/importers/`; each says itself whether its run is equal, and must deny it of wrong ones.
 
 use crate::coupled;
-use crate::fmi_rs_example;
 use crate::program;
 use crate::python;
 use clap::Parser;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 use tempfile::TempDir;
 
 const AMONTONS: &str = env!("CARGO_BIN_EXE_amontons");
@@ -89,51 +89,52 @@ impl Bench {
     }
 }
 
-/// An importer's example: says whether a run is equal to the one that it is compared with, and how many values.
-type Example<'a> = &'a dyn Fn(&Bench, &[String]) -> Option<usize>;
+/// The example of fmi-rs, a Rust project by itself.
+const FMI_RS: &str = "fmi-rs";
 
-/// Runs an example in Python, whatever comes of it.
-fn output(script: &str, bench: &Bench, arguments: &[String]) -> Output {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/importers");
-    let mut command = Command::new(python::interpreter());
-    command.arg("-B").arg(examples.join(script)).args(arguments).current_dir(&bench.folder);
-    command.output().unwrap()
+/// The program of that project, which is built once.
+static FMI_RS_PROGRAM: LazyLock<PathBuf> = LazyLock::new(|| {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fmi-rs");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["build", "--release", "--locked", "--quiet", "--manifest-path"]);
+    cargo.arg(examples().join("fmi-rs/Cargo.toml")).arg("--target-dir").arg(&folder);
+    assert!(cargo.status().unwrap().success(), "{cargo:?}");
+    folder.join("release/fmi-rs-example")
+});
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/importers")
 }
 
-/// Runs an example in Python to its verdict.
-fn python(script: &str, bench: &Bench, arguments: &[String]) -> Option<usize> {
-    let output = output(script, bench, arguments);
+/// Runs the example of an importer, whatever comes of it.
+fn output(importer: &str, bench: &Bench, arguments: &[String]) -> Output {
+    let mut command = if importer == FMI_RS {
+        Command::new(&*FMI_RS_PROGRAM)
+    } else {
+        let mut python = Command::new(python::interpreter());
+        python.arg("-B").arg(examples().join(importer));
+        python
+    };
+    command.args(arguments).current_dir(&bench.folder).output().unwrap()
+}
+
+/// Runs the example of an importer. Returns the number of values that it says are equal to those of the run that it is
+/// compared with; `None` if it says that one is not.
+fn equal_values(importer: &str, bench: &Bench, arguments: &[String]) -> Option<usize> {
+    let output = output(importer, bench, arguments);
     let said = format!("{}{}", program::text(&output.stdout), program::text(&output.stderr));
     let verdict = said.lines().find_map(|line| line.split_once(" to the last bit: "));
     let verdict =
-        verdict.unwrap_or_else(|| panic!("{script} {arguments:?}: {}\n{said}", output.status)).1;
+        verdict.unwrap_or_else(|| panic!("{importer} {arguments:?}: {}\n{said}", output.status)).1;
     let values = verdict.strip_prefix("yes, all ").and_then(|rest| rest.strip_suffix(" values"));
     assert_eq!(output.status.code(), Some(i32::from(values.is_none())), "{said}");
     println!("{said}");
     values.map(|values| values.parse().unwrap())
 }
 
-/// Runs the example in Rust.
-fn rust(bench: &Bench, arguments: &[String]) -> Option<usize> {
-    tried(bench, arguments).unwrap()
-}
-
-/// Runs the example as [`rust`] does, or returns its message if it cannot run.
-fn tried(bench: &Bench, arguments: &[String]) -> Result<Option<usize>, String> {
-    // Its paths are relative to the folder of the other examples' runs.
-    let path = |argument: &String| match Path::new(argument).extension() {
-        Some(end) if end == "fmu" || end == "csv" => bench.path(argument).display().to_string(),
-        _ => argument.clone(),
-    };
-    let arguments = std::iter::once("fmi_rs".to_owned()).chain(arguments.iter().map(path));
-    let arguments = fmi_rs_example::Arguments::try_parse_from(arguments);
-    let arguments = arguments.map_err(|error| error.to_string())?;
-    fmi_rs_example::run(&arguments).map_err(|error| error.to_string())
-}
-
 /// The example gets the doubles of the runs without an importer: all rows but the `unread` first ones, and all columns
 /// but those of contact states if `states` are not read.
-fn assert_equal(example: Example, bench: &Bench, ways: &[Way], unread: usize, states: bool) {
+fn assert_equal(importer: &str, bench: &Bench, ways: &[Way], unread: usize, states: bool) {
     for run in RUNS {
         for &way in ways {
             let arguments = bench.prepare(run, way);
@@ -143,7 +144,7 @@ fn assert_equal(example: Example, bench: &Bench, ways: &[Way], unread: usize, st
             let columns = rows[0].iter().filter(is_read).count();
             assert!(columns > 12);
             let values = (rows.len() - 1 - unread) * columns;
-            assert_eq!(example(bench, &arguments), Some(values), "{arguments:?}");
+            assert_eq!(equal_values(importer, bench, &arguments), Some(values), "{arguments:?}");
         }
     }
 }
@@ -163,10 +164,10 @@ fn assert_moves(rows: &[Vec<String>]) {
 
 /// The example denies that a scene which is stiffer by a thousandth, a reference with another last bit in one value, and
 /// one without numbers are equal.
-fn assert_rejected(example: Example, bench: &Bench) {
+fn assert_rejected(importer: &str, bench: &Bench) {
     for &way in HELD {
         let mut arguments = bench.prepare(RUNS[0], way);
-        assert!(example(bench, &arguments).is_some());
+        assert!(equal_values(importer, bench, &arguments).is_some());
 
         let shown = program::run(AMONTONS, bench.folder.path(), &["scenes", "show", "set1"]);
         let text = program::text(&shown.stdout);
@@ -175,7 +176,7 @@ fn assert_rejected(example: Example, bench: &Bench) {
         std::fs::write(bench.path("stiff.toml"), stiff).unwrap();
         bench.amontons(&["export", "stiff.toml", "-o", "stiff.fmu"]);
         arguments[0] = "stiff.fmu".into();
-        assert_eq!(example(bench, &arguments), None);
+        assert_eq!(equal_values(importer, bench, &arguments), None);
 
         arguments[0] = "set1.fmu".into();
         let reference = arguments.last().unwrap();
@@ -183,7 +184,7 @@ fn assert_rejected(example: Example, bench: &Bench) {
         let assert_denied = |rows: &[Vec<String>]| {
             let lines: Vec<String> = rows.iter().map(|row| row.join(",")).collect();
             std::fs::write(bench.path(reference), lines.join("\n")).unwrap();
-            assert_eq!(example(bench, &arguments), None);
+            assert_eq!(equal_values(importer, bench, &arguments), None);
         };
         let mut last_bit = right.clone();
         let value = &mut last_bit[700][3];
@@ -206,31 +207,26 @@ macro_rules! importer {
             #[test]
             #[ignore = "some seconds: an importer of another house"]
             fn gets_the_doubles_of_the_program() {
-                assert_equal(&$example, &Bench::new($rows), $ways, $unread, $states);
+                assert_equal($example, &Bench::new($rows), $ways, $unread, $states);
             }
 
             #[test]
             #[ignore = "some seconds: an importer of another house"]
             fn is_not_content_with_another_run() {
-                assert_rejected(&$example, &Bench::new($rows));
+                assert_rejected($example, &Bench::new($rows));
             }
         }
     };
 }
 
-/// Runs the example in Python of that name.
-fn script(name: &'static str) -> impl Fn(&Bench, &[String]) -> Option<usize> {
-    move |bench, arguments| python(name, bench, arguments)
-}
-
 const ALL: &[Way] = &[Way::Alone, Way::Coupled, Way::WithRates];
 
-importer!(fmpy, script("fmpy_example.py"), ALL, rows: "before", unread: 0, states: true);
-importer!(fmi_rs, rust, HELD, rows: "before", unread: 0, states: true);
+importer!(fmpy, "fmpy_example.py", ALL, rows: "before", unread: 0, states: true);
+importer!(fmi_rs, FMI_RS, HELD, rows: "before", unread: 0, states: true);
 // Initializes with its first step, so there is nothing to be read before; and reads no enumerations.
-importer!(libcosimpy, script("libcosimpy_example.py"), HELD, rows: "before", unread: 1, states: false);
+importer!(libcosimpy, "libcosimpy_example.py", HELD, rows: "before", unread: 1, states: false);
 // Shows outputs with the inputs of the step that begins; reads no enumerations.
-importer!(ecospy, script("ecospy_example.py"), HELD, rows: "after", unread: 0, states: false);
+importer!(ecospy, "ecospy_example.py", HELD, rows: "after", unread: 0, states: false);
 
 /// Each example reports mistakes that a user can mend in a sentence.
 #[test]
@@ -268,28 +264,14 @@ fn what_is_wrong_is_told() {
     for (given, sentence) in cases {
         let short = ["--stop-time", "1e-3"].map(str::to_owned);
         let arguments: Vec<String> = given.iter().map(|&g| g.to_owned()).chain(short).collect();
-        for script in ["fmpy_example.py", "libcosimpy_example.py", "ecospy_example.py"] {
-            let output = output(script, &bench, &arguments);
+        for importer in [FMI_RS, "fmpy_example.py", "libcosimpy_example.py", "ecospy_example.py"] {
+            let output = output(importer, &bench, &arguments);
             let said =
                 format!("{}{}", program::text(&output.stdout), program::text(&output.stderr));
-            assert!(!output.status.success(), "{script} {arguments:?}: {said}");
-            assert!(said.contains(sentence), "{script} {arguments:?}: {said}");
-            assert!(!said.contains("Traceback"), "{script} {arguments:?}: {said}");
+            assert!(!output.status.success(), "{importer} {arguments:?}: {said}");
+            assert!(said.contains(sentence), "{importer} {arguments:?}: {said}");
+            assert!(!said.contains("Traceback"), "{importer} {arguments:?}: {said}");
         }
-    }
-    // fmi-rs itself prints why a step fails.
-    assert!(tried(&bench, &["fails.fmu".to_owned()]).is_err());
-    for (given, sentence) in cases.into_iter().skip(2) {
-        let arguments: Vec<String> = given.iter().map(|&argument| argument.to_owned()).collect();
-        let said = tried(&bench, &arguments).unwrap_err();
-        // It has the whole path of a file.
-        let end = sentence
-            .rsplit(": ")
-            .next()
-            .unwrap()
-            .replace("set1.fmu ", "")
-            .replace("drive.fmu ", "");
-        assert!(said.contains(&end), "{arguments:?}: {said}");
     }
     let above_critical = [&set1, "--set", "integrator.step=0.01"].map(str::to_owned);
     let refused = output("ecospy_example.py", &bench, &above_critical);

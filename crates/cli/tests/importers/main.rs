@@ -3,8 +3,6 @@
 #[path = "../../../../examples/coupled.rs"]
 mod coupled;
 mod coupling;
-#[path = "../../../../examples/importers/fmi_rs.rs"]
-mod fmi_rs_example;
 mod fmpy;
 mod importers;
 mod platforms;

@@ -1,7 +1,6 @@
 //! The reader reports mistakes in scene files, and importers load the FMUs that are made of them.
 
 mod effects_variables;
-mod fmi_rs;
 mod fuzz;
 mod host;
 mod importer;

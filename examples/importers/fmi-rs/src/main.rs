@@ -1,7 +1,7 @@
 //! Import of FMUs by the crate fmi-rs: one FMU alone by its `simulate`, and two coupled by a loop of the example's own.
 //!
 //! ```text
-//! cargo run --release --example fmi_rs -- set1.fmu --drive drive.fmu
+//! cargo run --release -- set1.fmu --drive drive.fmu
 //! ```
 
 use clap::Parser;
@@ -14,9 +14,9 @@ use fmi_rs::sim::fmi2::{SimulationSettings, Trajectories, VariableValue};
 use shared::{Fmu, Run};
 use std::error::Error;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::sync::Arc;
 
-#[path = "shared.rs"]
 mod shared;
 
 /// The output of the drive and the input of the scene to which it is connected, and the connection in the other
@@ -26,7 +26,7 @@ const REACTION: [&str; 2] = ["slider.tangential_reaction", "mass.table.fx"];
 
 /// Simulates an FMU alone, or coupled to a drive.
 #[derive(Parser)]
-pub struct Arguments {
+struct Arguments {
     /// The FMU, set1.fmu
     scene: PathBuf,
     /// An FMU that moves the slider and takes the reaction, drive.fmu
@@ -216,9 +216,8 @@ fn steps(&Arguments { stop_time, interval, .. }: &Arguments) -> Result<u64, Stri
     Ok(steps as u64)
 }
 
-/// Makes the run that the command line describes. Returns the number of values that are equal to those of the run for
-/// comparison; `None` if one differs.
-pub fn run(arguments: &Arguments) -> Result<Option<usize>, Box<dyn Error>> {
+/// Makes the run that the command line describes. Returns `false` if a value differs from the run for comparison.
+fn run(arguments: &Arguments) -> Result<bool, Box<dyn Error>> {
     let steps = steps(arguments)?;
     let scene = Fmu::open(&arguments.scene)?;
     for (name, _) in &arguments.set {
@@ -243,10 +242,8 @@ pub fn run(arguments: &Arguments) -> Result<Option<usize>, Box<dyn Error>> {
     println!("{} through fmi-rs 0.3{partner}", arguments.scene.display());
     let scene = if partner.is_empty() { "" } else { "scene." };
     run.show(scene, &format!("drive.{}", VELOCITY[0]), REACTION[0]);
+    let (Some(expected), Some(file)) = (expected, &arguments.compare) else { return Ok(true) };
     let values = run.times.len() * run.names.len();
-    let (Some(expected), Some(file)) = (expected, &arguments.compare) else {
-        return Ok(Some(values));
-    };
     let found = run.differences(&expected);
     let verdict = if found.is_empty() { format!("yes, all {values} values") } else { "NO".into() };
     println!("  equal to {} to the last bit: {verdict}", file.display());
@@ -256,18 +253,19 @@ pub fn run(arguments: &Arguments) -> Result<Option<usize>, Box<dyn Error>> {
     if found.len() > 10 {
         println!("    and {} more", found.len() - 10);
     }
-    if found.is_empty() {
-        return Ok(Some(values));
+    if !found.is_empty() {
+        println!("  check that both runs used the same FMUs, --set, --stop-time and --interval");
     }
-    println!("  check that both runs used the same FMUs, --set, --stop-time and --interval");
-    Ok(None)
+    Ok(found.is_empty())
 }
 
-#[allow(dead_code, reason = "tests call `run` itself")]
-fn main() {
-    let equal = run(&Arguments::parse()).unwrap_or_else(|error| {
-        eprintln!("error: {error}");
-        std::process::exit(1)
-    });
-    std::process::exit(i32::from(equal.is_none()))
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
 }
