@@ -5,10 +5,12 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Builds the library from the crate in the folder `root`; its path.
+/// Builds the library from the crate in the folder `root`, and returns its path.
 pub fn library(out: &Path, root: &Path) -> PathBuf {
     let target = env::var("TARGET").expect("cargo sets it");
-    let target_dir = out.join("fmu");
+    // Programs, tests, benchmarks and lints have an OUT_DIR each (`<target>/<profile>/build/<package>/out`); one folder
+    // for all of them lets cargo find the library that it has built.
+    let target_dir = out.ancestors().nth(4).expect("it is in a target folder").join("fmu-library");
     let mut cargo = Command::new(env::var_os("CARGO").expect("cargo sets it"));
     cargo
         .current_dir(root)
