@@ -17,7 +17,8 @@ THIRD_PARTY = "LICENSES-THIRD-PARTY.txt"
 def contents(programs, licences):
     """Names in an archive, content, mode; sorted. `licences` are those of others, as one text."""
     # With what the README leads to.
-    texts = ["README.md", "CHANGELOG.md", "DESIGN.md", "LICENSE-APACHE", "LICENSE-MIT", "docs", "examples", "scenes"]
+    texts = ["README.md", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE-APACHE", "LICENSE-MIT"]
+    texts += ["docs", "examples", "scenes"]
     files = [(program.name, program, EXECUTABLE) for program in programs]
     files += [(name, ROOT / name, PLAIN) for name in tools.output(["git", "ls-files", *texts]).splitlines()]
     packed = [(name, path.read_bytes(), mode) for name, path, mode in files]

@@ -17,7 +17,9 @@
 //! | [`simulation`] | model and motion together: advance, read, write, save, restore |
 //! | [`fmi2`] | the C interface of FMI 2.0 for co-simulation |
 //!
-//! The glossary in `docs/glossary.md` gives the paper's term, the field's term and the code's name of each notion.
+//! The book in `docs/` (`SUMMARY.md` lists its pages) has tutorials, the scene file, the FMU and the analyses for users, and
+//! the equations, decisions and a map of the repository for developers. Its glossary, `docs/glossary.md`, gives the paper's
+//! term, the field's term and the code's name of each notion.
 //!
 //! All quantities are in SI units.
 

@@ -9,8 +9,8 @@
 //! | event-driven | R (1 + ω T): rounding |
 //!
 //! Both methods also have the error of signals (`signals.rs`). Of the steps that keep the tolerance, the one with the
-//! fewest operations ([`Cost`]) is taken. The numbers come from measured tables (DESIGN.md). The rule does not include
-//! motions that forget their start, for which no such rule exists.
+//! fewest operations ([`Cost`]) is taken. The numbers come from measured tables (`docs/decisions/tolerance.md`). The rule
+//! does not include motions that forget their start, for which no such rule exists.
 
 mod cost;
 mod signals;

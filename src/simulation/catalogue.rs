@@ -369,20 +369,18 @@ mod tests {
 
     /// The first of numbered names, as x1 … x4, stands for all.
     #[test]
-    fn the_readme_names_every_variable() {
-        let readme = include_str!("../../README.md");
-        let (_, after) = readme.split_once("\n## In an importer\n").unwrap();
-        let (section, _) = after.split_once("\n## ").unwrap();
+    fn the_book_names_every_variable() {
+        let page = include_str!("../../docs/fmu/variables.md");
         let is_end = |c: char| !c.is_alphanumeric() && c != '_';
         let named: HashSet<&str> =
-            section.split('`').skip(1).step_by(2).flat_map(|name| name.split(is_end)).collect();
+            page.split('`').skip(1).step_by(2).flat_map(|name| name.split(is_end)).collect();
         for Template { name, .. } in TEMPLATES {
             let last = name.rsplit('.').next().unwrap();
             let first = match last.trim_end_matches(|c: char| c.is_ascii_digit()) {
                 word if word.len() < last.len() => format!("{word}1"),
                 word => word.to_owned(),
             };
-            assert!(named.contains(&*first), "\"In an importer\" in README.md lacks {name}");
+            assert!(named.contains(&*first), "docs/fmu/variables.md lacks {name}");
         }
     }
 

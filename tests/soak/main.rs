@@ -2,7 +2,8 @@
 //! step.
 //!
 //! This is a tool to be run by hand, and no test of each change: each run draws scenes of its own, and one run of exact motion
-//! in some ten thousands ends early (DESIGN.md has the counts). So `cargo test` leaves it out unless it is asked for:
+//! in some ten thousands ends early (`docs/decisions/judging.md` has the counts). So `cargo test` leaves it out unless it
+//! is asked for:
 //!
 //! ```sh
 //! AMONTONS_SOAK_SCENES=1000 cargo test --release --test soak -- --nocapture

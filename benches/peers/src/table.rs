@@ -118,7 +118,7 @@ pub fn verdict(rows: &[Row]) -> String {
     text
 }
 
-/// The table of the README, in Markdown: for each accuracy our time, scene by scene, and how many times as
+/// The table of the book, in Markdown: for each accuracy our time, scene by scene, and how many times as
 /// long each peer takes.
 pub fn summary(scenes: &[(&str, Vec<Row>)]) -> String {
     let mut peers: Vec<&str> = Vec::new();

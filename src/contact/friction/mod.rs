@@ -8,7 +8,7 @@
 //! | `tests/support/judge/reduced.rs`, `tests/soak/case.rs` | the law as the judge and the soak know it |
 //! | `crates/cli/tests/analyses/answers/` | the law as the matrices of the tests know it |
 //! | `scenes/effects/`, with `SHOWN` in `crates/export/tests/export/effects_variables.rs` | a scene of the law |
-//! | `README.md`, `scenes/README.md` | the tables of effects |
+//! | `docs/scenes/friction.md`, `docs/scenes/options.md`, `scenes/README.md` | the laws, and the tables of effects |
 //!
 //! A law may use the numbers of [`Friction`]. A number that a new law needs has these places besides:
 //!

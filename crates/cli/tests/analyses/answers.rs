@@ -5,6 +5,7 @@
 mod cases;
 mod oracle;
 
+use crate::parallel::on_each;
 use crate::program::{folder, run, text};
 use amontons::scene::{Scene, read};
 use amontons_analysis::assign::assign;
@@ -13,8 +14,6 @@ use oracle::{Motion, Oracle, State};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
 
 /// An analysis answers in one of these ways.
@@ -530,23 +529,6 @@ fn without_numbers(message: &str) -> String {
     };
     let words = message.split(' ').map(|word| if is_number(word) { "…" } else { word });
     words.collect::<Vec<_>>().join(" ")
-}
-
-/// Does work on each item, on all processors. The results have the order of the items.
-fn on_each<I: Sync, T: Send>(items: &[I], work: impl Fn(&I) -> T + Sync) -> Vec<T> {
-    let next = AtomicUsize::new(0);
-    let results: Vec<Mutex<Option<T>>> = items.iter().map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
-            scope.spawn(|| {
-                while let Some(i) = Some(next.fetch_add(1, Relaxed)).filter(|i| *i < items.len()) {
-                    *results[i].lock().unwrap() = Some(work(&items[i]));
-                }
-            });
-        }
-    });
-    let results = results.into_iter().map(|result| result.into_inner().unwrap());
-    results.map(|result| result.expect("each item is worked on")).collect()
 }
 
 #[test]

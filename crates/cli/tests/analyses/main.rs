@@ -4,6 +4,8 @@ mod accuracy_command;
 mod answers;
 #[path = "../../../../tests/support/driven_block.rs"]
 mod driven_block;
+#[path = "../../../../tests/support/parallel.rs"]
+mod parallel;
 #[path = "../../../../tests/support/program.rs"]
 mod program;
 mod stability_command_line;

@@ -93,43 +93,6 @@ fn the_locus_over_another_parameter_agrees_with_the_one_over_friction() {
     assert!((k2 - 60e3).abs() < 1e-2, "{over_k2}");
 }
 
-/// README's table of critical values is what the commands above it print.
-#[test]
-fn the_critical_values_in_the_readme_are_those_printed() {
-    let readme = include_str!("../../../../README.md");
-    for (scene, row) in [("set1", "| Set 1 |"), ("set2", "| Set 2 |")] {
-        let printed = printed(&["locus", scene, "--friction", "0:3.5:0.005"]);
-        let row = readme.lines().find(|line| line.starts_with(row)).unwrap();
-        let first_crossing = printed.split("critical values:\n").nth(1).unwrap();
-        let first_crossing = first_crossing.split_whitespace().next().unwrap();
-        assert!(row.contains(&format!("from {first_crossing} on")), "{first_crossing}: {row}");
-        let merging = |words: &str| -> String {
-            let line = printed.lines().find(|line| line.contains(words)).unwrap();
-            line.split_whitespace().next().unwrap().to_owned()
-        };
-        for words in ["modes 5 and 6 merge", "modes 3 and 4 merge"] {
-            assert!(row.contains(&merging(words)), "{words}: {row}");
-        }
-    }
-}
-
-/// README's sentence on the candidates of Set 2.
-#[test]
-fn the_candidates_in_the_readme_are_those_printed() {
-    let readme = include_str!("../../../../README.md").replace('\n', " ");
-    let printed = printed(&["bistable", "set2", "--friction", "0:2.5"]);
-    let rounded = |before: &str| format!("{:.4}", number_after(&printed, before));
-    for number in [rounded("µ = "), rounded("Sl-St             2  ")] {
-        assert!(readme.contains(&number), "{number}");
-    }
-    let onsets: Vec<&str> = printed.lines().filter(|line| line.contains("Sl-Dt  ")).collect();
-    assert_eq!(onsets.len(), 2, "{printed}");
-    for line in onsets {
-        let onset = format!("{:.4}", number_after(line, "Sl-Dt             2  "));
-        assert!(readme.contains(&onset), "{onset}");
-    }
-}
-
 /// A scene that friction jams diverges: its modes do not oscillate, and beyond there is no equilibrium.
 #[test]
 fn a_divergence_is_called_one_and_the_lost_equilibrium_is_noted() {

@@ -35,9 +35,6 @@ fn export_writes_the_fmu_and_says_what_went_in() {
     for words in ["ring of 2 modules", "10 inputs", "critical step", "state Sl-Sl", "set1.fmu"] {
         assert!(printed.contains(words), "{printed}");
     }
-    let variables = printed.lines().find(|line| line.starts_with("  variables")).unwrap();
-    let readme = include_str!("../../../../README.md");
-    assert!(readme.contains(variables), "README.md shows another run: {variables}");
 }
 
 #[test]

@@ -241,7 +241,7 @@ fn the_values_of_the_reference_run_are_the_doubles_of_the_program() {
     }
 }
 
-/// Values of µ and the frequencies there are the paper's (README, "Will it squeal?"), and those of closed forms that
+/// Values of µ and the frequencies there are the paper's (`docs/tutorials/squeal.md`), and those of closed forms that
 /// `scenes/README.md` derives: Hoffmann's µ, and 3 − √6, where modes of the disc brake merge.
 #[test]
 fn the_page_says_whether_a_scene_squeals_and_from_which_friction_on() {

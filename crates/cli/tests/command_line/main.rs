@@ -1,5 +1,6 @@
 //! The program as its user meets it, and what it writes: FMUs, their pages, reports.
 
+mod book;
 mod browser;
 mod build;
 #[path = "../../../../tests/support/callgrind.rs"]
@@ -12,9 +13,13 @@ mod instructions;
 mod licences;
 #[path = "../../../../tests/support/oscillator.rs"]
 mod oscillator;
+#[path = "../../../../tests/support/parallel.rs"]
+mod parallel;
 mod paper;
 #[path = "../../../../tests/support/program.rs"]
 mod program;
+#[path = "../../../../tests/support/python/mod.rs"]
+mod python;
 mod report_in_browser;
 #[path = "../../../../tests/support/sample_report.rs"]
 mod sample_report;

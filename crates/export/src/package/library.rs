@@ -34,7 +34,7 @@ impl Library {
             if MADE.contains(&platform) {
                 format!(
                     "this program contains the library for {carried} only; a released program contains all libraries, \
-                     and release/make or AMONTONS_FMU_LIBRARIES builds such a program (README, Platforms)"
+                     and release/make or AMONTONS_FMU_LIBRARIES builds such a program (docs/fmu/platforms.md)"
                 )
             } else {
                 let made = MADE.join(" and ");

@@ -120,7 +120,7 @@ fn a_folder_is_not_a_scene() {
     assert!(message.contains("cannot use tests/wrong_scenes: Is a directory"), "{message}");
 }
 
-/// The scenes that the program carries and those that the README writes out, a network among them.
+/// The scenes that the program carries, and the network that the README writes out.
 fn right_scenes() -> Vec<&'static str> {
     let blocks = include_str!("../../../../README.md").split("```toml\n").skip(1);
     let written = blocks.map(|block| block.split("```").next().unwrap_or(block));
@@ -128,7 +128,7 @@ fn right_scenes() -> Vec<&'static str> {
 }
 
 #[test]
-fn the_scenes_that_the_readme_writes_out_are_right() {
+fn the_scenes_of_program_and_readme_are_right() {
     let texts = right_scenes();
     assert!(texts.iter().any(|text| text.contains("[[damper]]")));
     for text in texts {

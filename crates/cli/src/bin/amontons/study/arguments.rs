@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 #[derive(Subcommand)]
 pub enum Study {
-    /// Follow the motions of a scene over the friction coefficient, upwards and downwards: branches, folds, ranges
+    /// Follow the motions of a scene over the friction coefficient, upwards and downwards: branches, jumps, ranges
     /// with two motions
     Continuation(super::continuation::ContinuationArguments),
     /// Amplitude, frequency and contact states of limit cycles over a parameter, and the values at which they change
