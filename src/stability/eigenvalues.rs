@@ -15,36 +15,66 @@ const PATIENCE: u32 = 10;
 /// Largest number of iterations for one eigenvalue; three are usual, and a hundred or two occur beside defective pairs
 /// that are nearly equal.
 const MAX_SWEEPS: u32 = 600;
+/// Number of iterations for one eigenvalue after which coupling below the rounding of the whole matrix is neglected.
+/// Ten equal eigenvalues that are small beside others may need it: rounding couples them more than their size allows.
+const LOOSE_SWEEPS: u32 = 300;
 
 /// Returns the eigenvalues of a square matrix, in the matrix's unit; those of a pair follow each other. They are the
 /// same doubles on each machine. `None` where an entry is not finite, or the iteration does not converge.
 #[must_use]
 pub fn eigenvalues(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    let size = matrix.nrows();
+    let scale = scale(&mut matrix)?;
+    let mut found = split(&mut matrix, &mut |_, _, _| {})?;
+    found.iter_mut().for_each(|value| *value *= scale);
+    Some(found)
+}
+
+/// Divides a matrix by a factor such that squares of entries neither overflow nor vanish, and returns the factor.
+/// `None` where an entry is not finite.
+pub(super) fn scale(matrix: &mut DMatrix<f64>) -> Option<f64> {
     if !matrix.iter().all(|value| value.is_finite()) {
         return None;
     }
-    // Squares of entries must not overflow, nor vanish.
     let largest = matrix.amax();
     let scale = if largest == 0.0 || (1e-100..1e100).contains(&largest) { 1.0 } else { largest };
-    matrix /= scale;
+    *matrix /= scale;
+    Some(scale)
+}
+
+/// Splits a matrix into diagonal blocks of one row or two and returns their eigenvalues, from the last row to the first.
+/// An entry below the diagonal is zero between two blocks and not zero within one; entries outside of blocks are of no
+/// use. Each reflection I − factor v vᵀ is passed on as the first row of v, v and factor; their product Z, in this order,
+/// gives Zᵀ A Z these blocks on its diagonal and rounding errors below them. `None` where the iteration does not converge.
+pub(super) fn split(
+    matrix: &mut DMatrix<f64>,
+    reflected: &mut impl FnMut(usize, &[f64], f64),
+) -> Option<Vec<Complex<f64>>> {
+    let size = matrix.nrows();
     let mut h = Columns { values: matrix.as_mut_slice(), size };
-    h.reduce_to_hessenberg();
+    h.reduce_to_hessenberg(reflected);
     let mut found = Vec::with_capacity(size);
     let (mut end, mut sweeps) = (size, 0);
     while end > 0 {
-        let start = h.active_block(end);
+        let negligible = if sweeps < LOOSE_SWEEPS {
+            f64::MIN_POSITIVE
+        } else {
+            f64::EPSILON * dot(h.values, h.values).sqrt()
+        };
+        let start = h.active_block(end, negligible);
+        if start > 0 {
+            // Rows above are not transformed from here on, so a later sweep must not take them in again.
+            h.set(start, start - 1, 0.0);
+        }
         if end - start <= 2 {
             found.extend_from_slice(&h.block_eigenvalues(start, end)[..end - start]);
             (end, sweeps) = (start, 0);
         } else if sweeps < MAX_SWEEPS {
             sweeps += 1;
-            h.sweep(start, end, sweeps % PATIENCE == 0);
+            h.sweep(start, end, sweeps % PATIENCE == 0, reflected);
         } else {
             return None;
         }
     }
-    found.iter_mut().for_each(|value| *value *= scale);
     Some(found)
 }
 
@@ -81,7 +111,7 @@ impl Columns<'_> {
         self.values[column * self.size + row] = value;
     }
 
-    fn reduce_to_hessenberg(&mut self) {
+    fn reduce_to_hessenberg(&mut self, reflected: &mut impl FnMut(usize, &[f64], f64)) {
         let size = self.size;
         let mut product = vec![0.0; size];
         for done in 0..size.saturating_sub(2) {
@@ -92,23 +122,18 @@ impl Columns<'_> {
                 let below = &mut column[done + 1..];
                 add_multiple(below, -factor * dot(vector, below), vector);
             }
-            product.fill(0.0);
-            for (column, &v) in right.chunks_exact(size).zip(&*vector) {
-                add_multiple(&mut product, v, column);
-            }
-            for (column, &v) in right.chunks_exact_mut(size).zip(&*vector) {
-                add_multiple(column, -factor * v, &product);
-            }
+            reflect_many_columns(right, vector, factor, &mut product);
+            reflected(done + 1, vector, factor);
             vector.fill(0.0);
             vector[0] = first;
         }
     }
 
-    /// The first row of the lowest block that entries above rounding couple.
-    fn active_block(&self, end: usize) -> usize {
+    /// The first row of the lowest block that entries above rounding, and above `negligible`, couple.
+    fn active_block(&self, end: usize, negligible: f64) -> usize {
         let is_split = |row: usize| {
             let diagonal = self.at(row - 1, row - 1).abs() + self.at(row, row).abs();
-            self.at(row, row - 1).abs() <= (f64::EPSILON * diagonal).max(f64::MIN_POSITIVE)
+            self.at(row, row - 1).abs() <= (f64::EPSILON * diagonal).max(negligible)
         };
         (1..end).rev().find(|&row| is_split(row)).unwrap_or(0)
     }
@@ -135,7 +160,13 @@ impl Columns<'_> {
     }
 
     /// One double-shift QR step of the block start..end, of at least three rows.
-    fn sweep(&mut self, start: usize, end: usize, exceptional: bool) {
+    fn sweep(
+        &mut self,
+        start: usize,
+        end: usize,
+        exceptional: bool,
+        reflected: &mut impl FnMut(usize, &[f64], f64),
+    ) {
         let last = end - 1;
         let shift = if exceptional {
             let size = self.at(last, last - 1).abs() + self.at(last - 1, last - 2).abs();
@@ -151,21 +182,28 @@ impl Columns<'_> {
                 self.set(first, first - 1, before);
             }
             self.reflect(vector, factor, first, start..end);
+            reflected(first, &vector, factor);
         }
         for row in first + 1..last - 1 {
-            self.chase::<3>(row, start..end);
+            self.chase::<3>(row, start..end, reflected);
         }
-        self.chase::<2>(last - 1, start..end);
+        self.chase::<2>(last - 1, start..end, reflected);
     }
 
     /// Clears the column before `row` below its row, by a reflection of N rows.
-    fn chase<const N: usize>(&mut self, row: usize, block: Range<usize>) {
+    fn chase<const N: usize>(
+        &mut self,
+        row: usize,
+        block: Range<usize>,
+        reflected: &mut impl FnMut(usize, &[f64], f64),
+    ) {
         let mut vector: [f64; N] = from_fn(|i| self.at(row + i, row - 1));
         if let Some((factor, first)) = reflector(&mut vector) {
             for i in 0..N {
                 self.set(row + i, row - 1, if i == 0 { first } else { 0.0 });
             }
             self.reflect(vector, factor, row, block);
+            reflected(row, &vector, factor);
         }
     }
 
@@ -207,14 +245,42 @@ impl Columns<'_> {
             (0..N).for_each(|i| part[i] -= sum * scaled[i]);
         }
         let above = block.start..block.end.min(row + 4);
-        let mut columns = self.values[row * size..].chunks_exact_mut(size);
-        let parts: [&mut [f64]; N] =
-            from_fn(|_| &mut columns.next().expect("N columns")[above.clone()]);
-        (0..above.len()).for_each(|i| {
-            let sum = (0..N).fold(0.0, |sum, j| sum + vector[j] * parts[j][i]);
-            (0..N).for_each(|j| parts[j][i] -= sum * scaled[j]);
-        });
+        reflect_columns(&mut self.values[row * size..], size, above, vector, factor);
     }
+}
+
+/// I − factor v vᵀ from the right, on as many first columns as v has rows; `product` is overwritten and as long as a column.
+pub(super) fn reflect_many_columns(
+    values: &mut [f64],
+    vector: &[f64],
+    factor: f64,
+    product: &mut [f64],
+) {
+    let size = product.len();
+    product.fill(0.0);
+    for (column, &v) in values.chunks_exact(size).zip(vector) {
+        add_multiple(product, v, column);
+    }
+    for (column, &v) in values.chunks_exact_mut(size).zip(vector) {
+        add_multiple(column, -factor * v, product);
+    }
+}
+
+/// I − factor v vᵀ from the right, on these rows of the first N columns.
+pub(super) fn reflect_columns<const N: usize>(
+    values: &mut [f64],
+    size: usize,
+    rows: Range<usize>,
+    vector: [f64; N],
+    factor: f64,
+) {
+    let scaled = vector.map(|v| factor * v);
+    let mut columns = values.chunks_exact_mut(size);
+    let parts: [&mut [f64]; N] = from_fn(|_| &mut columns.next().expect("N columns")[rows.clone()]);
+    (0..rows.len()).for_each(|i| {
+        let sum = (0..N).fold(0.0, |sum, j| sum + vector[j] * parts[j][i]);
+        (0..N).for_each(|j| parts[j][i] -= sum * scaled[j]);
+    });
 }
 
 /// Turns x into the vector v for which (I − factor v vᵀ) x has only a first entry; returns the factor and that entry.
@@ -233,7 +299,7 @@ fn reflector(x: &mut [f64]) -> Option<(f64, f64)> {
 }
 
 /// Four sums at a time, which a processor adds side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a_chunks, b_chunks) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
     let mut sums = [0.0; 4];
@@ -245,7 +311,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-fn add_multiple(to: &mut [f64], factor: f64, vector: &[f64]) {
+pub(super) fn add_multiple(to: &mut [f64], factor: f64, vector: &[f64]) {
     for (to, value) in to.iter_mut().zip(vector) {
         *to += factor * value;
     }
@@ -373,6 +439,46 @@ mod tests {
             let cluster: Vec<_> = found.iter().filter(|value| value.re < 5.0).collect();
             let mean = cluster.iter().copied().sum::<Complex<f64>>() / 4.0;
             assert!(cluster.len() == 4 && (mean - (2.0 + 0.5 * apart)).norm() < 1e-11, "{apart:e}");
+        }
+    }
+
+    #[test]
+    fn equal_parts_that_are_not_coupled_have_the_eigenvalues_of_one() {
+        // With rows by turns. Rounding couples blocks that are split, and more than their small sums of diagonals allow.
+        let block = DMatrix::from_row_slice(
+            3,
+            3,
+            &[
+                [0.0, -0.6494346540781634, 0.10955746085425562],
+                [0.4211007074762409, 0.35452544405807446, 0.8272969007711221],
+                [-0.11805657149104198, -0.1867609056845851, -0.8959837085031215],
+            ]
+            .concat(),
+        );
+        let alone = eigenvalues(block.clone()).unwrap();
+        for copies in 1..20 {
+            let matrix = DMatrix::from_fn(3 * copies, 3 * copies, |i, j| {
+                if i % copies == j % copies { block[(i / copies, j / copies)] } else { 0.0 }
+            });
+            assert_same(eigenvalues(matrix).unwrap(), &alone.repeat(copies), 1e-13);
+        }
+    }
+
+    #[test]
+    fn small_eigenvalues_that_come_many_times_converge() {
+        for turn in 0..20 {
+            let size = 60;
+            let value = |i: usize| [1.0, -0.8, 0.6, 0.009][i % 4];
+            let v = nalgebra::DVector::from_fn(size, |i, _| (1.0 + (7 * i + turn) as f64).sin());
+            let v = v.normalize();
+            let mirror = DMatrix::identity(size, size) - &v * v.transpose() * 2.0;
+            let blocks = DMatrix::from_fn(size, size, |i, j| match i / 4 == j / 4 {
+                true if i == j => value(i),
+                true if i < j => 0.3 * ((i % 4 + 3 * (j % 4)) as f64).sin(),
+                _ => 0.0,
+            });
+            let found = eigenvalues(&mirror * blocks * &mirror).unwrap();
+            assert_same(found, &real((0..size).map(value)), 1e-12);
         }
     }
 

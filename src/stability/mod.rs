@@ -10,6 +10,7 @@
 //! | `frequency_bound` | bounds over all contact states |
 //! | `oblique_projection` | the angle by which friction inclines the projection of motions in any contact state |
 //! | `eigenvalues` | the eigenvalues of a matrix |
+//! | `eigenvectors` | the eigenvalues of a matrix with their vectors |
 //! | `reduced_problem` | the eigenvalue problem of one contact state |
 //! | `damped_modes` | the full eigenvalue problem with discrete dampers |
 //! | `symmetry` | equivalent states of a ring; waves in place of the whole ring |
@@ -39,9 +40,13 @@ pub fn highest_frequency(model: &LumpedModel) -> Option<f64> {
 
 pub mod damped_modes;
 mod eigenvalues;
+mod eigenvectors;
 pub mod reduced_problem;
 pub mod singular_values;
 mod spectrum;
 pub mod symmetry;
 
-pub use {eigenvalues::eigenvalues, spectrum::Spectrum, symmetry::Symmetry};
+pub use {
+    eigenvalues::eigenvalues, eigenvectors::Eigenpair, eigenvectors::eigenpairs,
+    spectrum::Spectrum, symmetry::Symmetry,
+};

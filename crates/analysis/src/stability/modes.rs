@@ -8,7 +8,7 @@ use amontons::stability::reduced_problem::{
     EigenvalueKind, check_size, cleaned, operator, quadratic_roots, rounding,
 };
 use amontons::stability::symmetry::{SymmetrySector, module_of_wave, turn};
-use faer::Mat;
+use amontons::stability::{Eigenpair, eigenpairs};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 
@@ -148,7 +148,7 @@ fn modes_of(linear: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<Mode
     }
     let (operator, scale) = operator(&reduced)?;
     let floor = rounding(&operator);
-    for (sigma, mut vector) in eigenpairs(&operator)? {
+    for (sigma, mut vector) in eigenpairs(&operator).ok_or_else(not_found)? {
         let sigma = cleaned(sigma, floor);
         vector.iter_mut().zip(&scale).for_each(|(value, scale)| *value *= scale);
         for eigenvalue in quadratic_roots(model, sigma) {
@@ -162,27 +162,14 @@ fn modes_of(linear: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<Mode
 fn damped(reduced: &ReducedMatrices) -> Result<Vec<Eigenpair>, Error> {
     let problem = QuadraticProblem::of(reduced)?;
     let (mut values, mut vectors): (Vec<_>, Vec<_>) =
-        eigenpairs(&problem.companion())?.into_iter().unzip();
+        eigenpairs(&problem.companion()).ok_or_else(not_found)?.into_iter().unzip();
     problem.refine(&mut values);
     vectors.iter_mut().for_each(|vector| vector.truncate(reduced.mass.nrows()));
     Ok(values.into_iter().map(|value| value * problem.unit).zip(vectors).collect())
 }
 
-/// An eigenvalue with its vector.
-pub(super) type Eigenpair = (Complex<f64>, Vec<Complex<f64>>);
-
-/// The eigenvalues of a matrix with their vectors.
-pub(super) fn eigenpairs(matrix: &DMatrix<f64>) -> Result<Vec<Eigenpair>, Error> {
-    let size = matrix.nrows();
-    let eigen = Mat::from_fn(size, size, |i, j| matrix[(i, j)]).eigen().map_err(|error| {
-        Error::analysis(format!("the modes of the contact state were not found: {error:?}"))
-    })?;
-    let values = eigen.S().column_vector();
-    let pairs = values.iter().enumerate().map(|(column, value)| {
-        let part = |row| Complex::new(eigen.U()[(row, column)].re, eigen.U()[(row, column)].im);
-        (Complex::new(value.re, value.im), (0..size).map(part).collect())
-    });
-    Ok(pairs.collect())
+fn not_found() -> Error {
+    Error::analysis("the modes of the contact state were not found")
 }
 
 fn residual(reduced: &ReducedMatrices, lambda: Complex<f64>, u: &[Complex<f64>]) -> f64 {

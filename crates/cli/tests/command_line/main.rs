@@ -13,9 +13,9 @@ mod instructions;
 mod licences;
 #[path = "../../../../tests/support/oscillator.rs"]
 mod oscillator;
+mod paper;
 #[path = "../../../../tests/support/parallel.rs"]
 mod parallel;
-mod paper;
 #[path = "../../../../tests/support/program.rs"]
 mod program;
 #[path = "../../../../tests/support/python/mod.rs"]
