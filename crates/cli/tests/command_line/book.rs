@@ -128,10 +128,10 @@ fn wrong_in(page: &Path) -> Vec<String> {
             }
             ("toml" | "python", Some(name)) => {
                 fs::write(folder.path().join(name), &block.text).unwrap();
-                if block.kind == "toml" {
-                    if let Err(error) = amontons::scene::parse(name, &block.text) {
-                        say(format!("{name} is no scene: {error}"));
-                    }
+                if block.kind == "toml"
+                    && let Err(error) = amontons::scene::parse(name, &block.text)
+                {
+                    say(format!("{name} is no scene: {error}"));
                 }
             }
             ("toml,part", _) => {
