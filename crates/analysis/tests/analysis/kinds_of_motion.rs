@@ -394,7 +394,7 @@ fn neighbours_that_part_slowly_part_all_the_same_whatever_the_window() {
 /// author the motion has a period of 13.57613 ms and an amplitude of 0.92681 mm once that is gone. It was called
 /// quasi-periodic, with an amplitude that depended on how long it was looked at.
 #[test]
-#[ignore = "takes half a minute"]
+#[ignore = "long: takes half a minute"]
 fn a_beat_that_fades_slowly_does_not_make_a_motion_quasi_periodic() {
     let text = r#"
         slider = { velocity = 0.376, angle = -0.14 }

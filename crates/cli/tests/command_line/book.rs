@@ -16,7 +16,7 @@ use crate::parallel::on_each;
 use crate::program::folder;
 use crate::python;
 use std::collections::BTreeSet;
-use std::ffi::OsString;
+use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -28,7 +28,7 @@ struct Block<'a> {
     line: usize,
     kind: &'a str,
     text: String,
-    /// Nothing but empty lines is between it and the block before.
+    /// Only empty lines separate it from the block before.
     follows: bool,
 }
 
@@ -153,14 +153,9 @@ fn wrong_in(page: &Path) -> Vec<String> {
 fn commands(script: &str, folder: &Path) -> Result<Vec<String>, String> {
     let programs = Path::new(env!("CARGO_BIN_EXE_amontons")).parent().unwrap();
     let interpreter = python::interpreter();
-    let mut path = OsString::from(programs);
-    for folder in [interpreter.parent().unwrap().as_os_str()]
-        .into_iter()
-        .chain(std::env::var_os("PATH").as_deref())
-    {
-        path.push(":");
-        path.push(folder);
-    }
+    let before = env::var_os("PATH").unwrap_or_default();
+    let folders = [programs, interpreter.parent().unwrap()].map(Path::to_owned);
+    let path = env::join_paths(folders.into_iter().chain(env::split_paths(&before))).unwrap();
     let mut bash = Command::new("bash");
     let output = bash.args(["-e", "-c", script]).current_dir(folder).env("PATH", path).output();
     let output = output.map_err(|error| error.to_string())?;
