@@ -9,8 +9,8 @@ mod forward_increment;
 mod ledger;
 mod method;
 
-pub use event_driven::EventDriven;
 pub(crate) use event_driven::full_places;
+pub use event_driven::{Event, EventDriven, EventRecord, EventRecorder, Impulses};
 pub use forward_increment::{RingForwardIncrement, dense, sparse};
 pub use ledger::{Energy, Ledger};
 pub use method::Method;

@@ -262,6 +262,33 @@ impl Simulation {
         self.driven.as_ref().map_or(f64::INFINITY, until) < f64::INFINITY
     }
 
+    /// The model with the present values of the scene.
+    #[must_use]
+    pub fn model(&self) -> &LumpedModel {
+        &self.model
+    }
+
+    /// Position, velocity and contact states now.
+    #[must_use]
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// The inputs of the motion at the present instant. Sines that event-driven motion follows are among the waves,
+    /// with their phases now; forces and slider velocities include their present values.
+    ///
+    /// # Errors
+    /// Returns an error if signals lead to an impossible value.
+    pub fn inputs_now(&mut self) -> Result<&Inputs, Error> {
+        let now = self.clock.grid_time(self.scene.step);
+        self.stale.inputs = true;
+        self.update_inputs([now, now])?;
+        if let Some(driven) = &self.driven {
+            driven.bring_waves(now, &mut self.inputs.waves);
+        }
+        Ok(&self.inputs)
+    }
+
     /// Adds to the velocity of a degree of freedom, m/s, like an impulse. An energy ledger does not account for it.
     pub fn push(&mut self, dof: usize, velocity: f64) {
         self.motion.velocity[dof] += velocity;

@@ -17,6 +17,7 @@
 //! | [`doubts`], [`warning`] | values that are possible, but hardly meant |
 //! | [`accuracy`] | the distance of each method and step from a proven reference |
 //! | [`sweep`] | many runs over the values of a parameter |
+//! | [`orbit`] | periodic motions solved for themselves, with Floquet multipliers |
 //! | [`study`] | endings of a scene: limit cycles, perturbations, branches over µ, basins |
 //!
 //! All quantities are in SI units.
@@ -27,6 +28,7 @@ pub mod doubts;
 pub mod effects;
 pub mod inputs;
 pub mod instant;
+pub mod orbit;
 pub mod output;
 pub mod record;
 pub mod spectral;

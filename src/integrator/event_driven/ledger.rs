@@ -2,6 +2,7 @@
 //! and the observer that writes a ledger.
 
 use super::series::{ORDER, Polynomial, Series, index};
+use super::watch::Event;
 use crate::contact::ContactState;
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::ledger::half_form;
@@ -49,6 +50,12 @@ pub trait MotionObserver: Send {
 
     /// Sees the velocities before (`sign` 1) and after (−1) hops are ended.
     fn sees_hops_end(&mut self, motion: &mut Motion, sign: f64);
+
+    /// Sees the events of an instant, one place for each contact, and the motion before they act.
+    fn sees_events(&mut self, _events: &[Option<Event>], _motion: &Motion) {}
+
+    /// Sees the motion after the events of an instant, in the states that follow them.
+    fn sees_states(&mut self, _motion: &Motion) {}
 }
 
 /// The observer that ignores all events.

@@ -122,6 +122,7 @@
 mod impact;
 mod law;
 mod ledger;
+mod record;
 mod reduced;
 mod report;
 mod roots;
@@ -141,10 +142,11 @@ use crate::model::{Contact, Damping, Direction, LumpedModel};
 use impact::frictionless;
 pub(super) use ledger::Writer;
 use ledger::{MotionObserver, Segment};
+pub use record::{EventRecord, EventRecorder, Impulses};
 use reduced::MOST_PLACES;
 use rounding::{DIFFERENCE, NOISE, pulls, shortest};
 use series::{ORDER, Polynomial, Series, SeriesStart};
-use watch::Event;
+pub use watch::Event;
 use waves::Waves;
 
 /// Largest number of contacts that share masses: their equations take the cube of that number.
@@ -696,6 +698,7 @@ impl<W: MotionObserver> EventDriven<W> {
         let landed = self.events.iter().any(touched);
         let speed = self.speed(motion).max(self.fastest_here);
         self.fastest_here = speed;
+        self.observer.sees_events(&self.events, motion);
         self.stop(motion);
         if landed {
             self.impact(motion, inputs, speed)?;
@@ -744,6 +747,7 @@ impl<W: MotionObserver> EventDriven<W> {
         }
         self.share_loads(motion, inputs);
         self.project_onto_constraints(motion, inputs);
+        self.observer.sees_states(motion);
         Ok(())
     }
 }

@@ -6,10 +6,12 @@ use super::rounding::{DIFFERENCE, NOISE, THROWN};
 use super::{EventDriven, MOST_TURNS, roots};
 use crate::contact::ContactState;
 use crate::integrator::{Inputs, Motion};
+use serde::{Deserialize, Serialize};
 
 /// The reason why a contact may not keep its state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Event {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Event {
     /// The gap closes.
     Touch,
     /// The normal force falls to zero.

@@ -15,6 +15,7 @@
 //! | `period` | quantities of a periodic motion over one period |
 //! | `continuation` | endings over µ, upwards and downwards; jumps |
 //! | `confirm` | pushes that may lead to the contact state of a candidate |
+//! | `orbit` | one periodic motion, solved for itself |
 //! | `push` | a small push out of an equilibrium |
 //! | `limit_cycle` | endings of a scene over the values of a parameter, and thresholds of contact states |
 //! | `portrait` | phase portraits of a settled motion |
@@ -45,6 +46,7 @@ mod limit_cycle;
 mod linear;
 mod long_term;
 mod observation;
+mod orbit;
 mod period;
 pub mod perturbation;
 mod portrait;
@@ -69,6 +71,7 @@ pub use limit_cycle::{
 };
 pub use long_term::{Kind, LongTermMotion};
 pub use observation::{ObservationRequest, ObservationSettings, Prepare, output, pace, unit};
+pub use orbit::{FoundOrbit, From, orbit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;
 pub use visit::Visited;

@@ -6,6 +6,7 @@ mod faint_parts;
 mod kinds_of_motion;
 mod linearity_limit;
 mod network_stability;
+mod orbits;
 #[path = "../../../../tests/support/quadratic.rs"]
 mod quadratic;
 mod stability_monitor;

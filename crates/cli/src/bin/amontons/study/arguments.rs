@@ -18,6 +18,11 @@ pub enum Study {
     /// Amplitude, frequency and contact states of limit cycles over a parameter, and the values at which they change
     /// (Fig. 3)
     LimitCycle(LimitCycle),
+    /// One periodic motion, stable or not: its period, its events, its Floquet multipliers
+    ///
+    /// The motion is solved for by Newton's method, not waited for. The study writes results.csv (the events of one
+    /// period), study.json, and orbit.json, from which another study can start.
+    Orbit(super::orbit::OrbitArguments),
     /// Growth and decay of the motion in one run, band by band, beside eigenvalues; spectrogram and contact states
     ///
     /// The study writes history.csv (the output and the contact states), results.csv (each growth and decay) and

@@ -6,6 +6,7 @@ mod basin;
 mod continuation;
 mod folder;
 mod limit_cycle;
+mod orbit;
 mod perturbation;
 mod transient;
 
@@ -33,6 +34,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Transient(arguments) => transient::run(arguments),
         Study::Basin(arguments) => basin::run(arguments),
         Study::Perturbation(arguments) => perturbation::run(arguments),
+        Study::Orbit(arguments) => orbit::run(arguments),
     }
 }
 

@@ -1,0 +1,88 @@
+//! A chain held against the event-driven integrator, which misses no event.
+
+use super::chain::{Chain, Segment};
+use super::flow::{Flow, Instant};
+use amontons::integrator::StepFailure;
+use nalgebra::DVector;
+
+/// The integrator's events may be this far from the chain's, in parts of the period.
+const NEAR: f64 = 1e-9;
+
+/// How the integrator's motion differs from a chain.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Difference {
+    /// It agrees; the largest difference between the end of a segment and the beginning of the next, and the difference
+    /// after a whole period, in parts of the motion's size.
+    None { defect: f64, closure: f64 },
+    /// Another event comes first in this segment, or other states follow.
+    Elsewhere { segment: usize },
+}
+
+/// Runs each segment from its beginning, and all of them in one.
+///
+/// # Errors
+/// Returns why a step failed.
+pub fn compare(chain: &Chain, flow: &mut Flow) -> Result<Difference, StepFailure> {
+    let (count, period) = (chain.segments.len(), chain.period());
+    let near = NEAR * period;
+    let (mut time, mut defect) = (0.0, 0.0_f64);
+    for (k, segment) in chain.segments.iter().enumerate() {
+        let next = &chain.segments[(k + 1) % count];
+        let Some(off) = end_of(segment, next, chain, flow, time, near)? else {
+            return Ok(Difference::Elsewhere { segment: k });
+        };
+        defect = defect.max(off);
+        time += segment.duration;
+    }
+    let first = &chain.segments[0];
+    let motion = flow.motion(&first.start, &first.states);
+    let past = if first_ends_by_phase(chain) { 0.0 } else { near };
+    let (end, instants) = flow.run(&motion, 0.0, period + past, |_| true)?;
+    let reached = match instants.last() {
+        Some(last) if past > 0.0 && (last.time - period).abs() <= 2.0 * near => {
+            flow.state(&last.after, period)
+        }
+        _ => flow.state(&end, period),
+    };
+    let closure = chain.size(flow.dofs(), &(reached - &first.start));
+    Ok(Difference::None { defect, closure })
+}
+
+fn first_ends_by_phase(chain: &Chain) -> bool {
+    chain.segments.last().is_some_and(|segment| segment.stages.is_empty())
+}
+
+/// The difference between the end of a segment by the integrator and the beginning of the next; `None` if the segment
+/// ends otherwise.
+fn end_of(
+    segment: &Segment,
+    next: &Segment,
+    chain: &Chain,
+    flow: &mut Flow,
+    time: f64,
+    near: f64,
+) -> Result<Option<f64>, StepFailure> {
+    let motion = flow.motion(&segment.start, &segment.states);
+    let dofs = flow.dofs();
+    let off = |flow: &Flow, reached: &amontons::integrator::Motion| -> f64 {
+        let reached: DVector<f64> = flow.state(reached, 0.0);
+        chain.size(dofs, &(reached - &next.start))
+    };
+    if segment.stages.is_empty() {
+        let (end, instants) = flow.run(&motion, time, segment.duration, |_| true)?;
+        let is_same = instants.iter().all(|instant| is_nothing(instant, near));
+        return Ok((is_same && end.contacts == next.states).then(|| off(flow, &end)));
+    }
+    let (_, instants) =
+        flow.run(&motion, time, segment.duration + near, |records| records.len() < 4)?;
+    let mut instants = instants.iter().filter(|instant| !is_nothing(instant, near));
+    let Some(instant) = instants.next() else { return Ok(None) };
+    let is_same =
+        (instant.time - segment.duration).abs() <= near && instant.after.contacts == next.states;
+    Ok(is_same.then(|| off(flow, &instant.after)))
+}
+
+/// `true` of an instant at the very beginning that leaves all states as they are.
+fn is_nothing(instant: &Instant, near: f64) -> bool {
+    instant.time <= near && instant.after.contacts == instant.before.contacts
+}

@@ -1,0 +1,106 @@
+//! Periodic motions of a scene, solved for themselves: stable or not, with their Floquet multipliers.
+//!
+//! | file | contents |
+//! | --- | --- |
+//! | `matrix` | products and exponentials of small dense matrices |
+//! | `flow` | the linear equation of each set of contact states, and the events between them |
+//! | `chain` | a periodic motion as a chain of segments; Newton's method on it |
+//! | `check` | the chain held against the event-driven integrator, segment by segment |
+//! | `multipliers` | monodromy matrix, rank, multipliers |
+//! | `extremes` | turning points |
+//! | `search` | from a motion that nearly comes back to a periodic one |
+//!
+//! An orbit begins as a run of the event-driven integrator over one period, which finds the sequence of events. Newton's
+//! method closes the chain of its segments. The integrator then runs each segment again from its beginning: only a chain
+//! whose events it confirms, all and no others, is an orbit; any other sequence that it finds is solved in its place.
+
+mod chain;
+mod check;
+mod extremes;
+mod flow;
+mod matrix;
+mod multipliers;
+mod search;
+
+pub use chain::{Chain, Linear, Segment, Unsolved};
+pub use flow::{Field, Flow, Instant, Stage};
+pub use multipliers::{Multipliers, multipliers};
+pub use search::{NoOrbit, Start, search};
+
+use amontons::contact::ContactState;
+use amontons::integrator::Event;
+use serde::{Deserialize, Serialize};
+
+/// A multiplier this near to 1 is that of the direction along a motion without a drive.
+const ALONG: f64 = 1e-6;
+
+/// A periodic motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Orbit {
+    /// The period, s.
+    pub period: f64,
+    /// Displacements (m) at its beginning, one for each degree of freedom.
+    pub displacement: Vec<f64>,
+    /// Velocities (m/s) at its beginning.
+    pub velocity: Vec<f64>,
+    /// The states of the contacts at its beginning.
+    pub states: Vec<ContactState>,
+    /// The instants at which contacts change their states, by time.
+    pub events: Vec<OrbitEvent>,
+    /// Half of the difference between the largest and the smallest displacement of each degree of freedom, m, at the
+    /// exact turning points.
+    pub extents: Vec<f64>,
+    /// Floquet multipliers (real and imaginary part) that are not zero by rank, the largest first. The multiplier 1 of
+    /// the direction along a motion without a drive is left out.
+    pub multipliers: Vec<[f64; 2]>,
+    /// The multiplier of the direction along the motion, exactly 1 but for rounding; `None` under a drive.
+    pub along: Option<f64>,
+    /// Number of further multipliers, which are exactly zero: directions that contacts hold at one instant.
+    pub zeros: usize,
+    /// The instant (from 0, among the events) whose events have no derivative together, since their order matters: the
+    /// multipliers are those of motions in which they stay together.
+    pub ambiguous: Option<usize>,
+    /// The largest difference between the end of a segment by the event-driven integrator and the beginning of the
+    /// next, in parts of the motion's size.
+    pub defect: f64,
+    /// The difference of the state after a whole period by the event-driven integrator, in the same parts. Rounding
+    /// grows by the largest multiplier on the way.
+    pub closure: f64,
+    /// `true` if sines drive the motion.
+    pub driven: bool,
+}
+
+/// A change of contact states in a periodic motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OrbitEvent {
+    /// Time since the beginning of the orbit, s.
+    pub time: f64,
+    /// The contacts (from 0) with an event.
+    pub events: Vec<(usize, Event)>,
+    /// The states that follow.
+    pub states: Vec<ContactState>,
+}
+
+impl Orbit {
+    /// `true` if small disturbances die out, `false` if one grows; `None` where a multiplier has magnitude 1 but for
+    /// rounding, or events at one instant have no derivative together.
+    #[must_use]
+    pub fn is_stable(&self) -> Option<bool> {
+        /// Multipliers are known to about this part.
+        const KNOWN: f64 = 1e-9;
+        let largest = self.largest_multiplier();
+        if largest > 1.0 + KNOWN {
+            Some(false)
+        } else if largest < 1.0 - KNOWN && self.ambiguous.is_none() {
+            Some(true)
+        } else {
+            None
+        }
+    }
+
+    /// The largest magnitude of a multiplier, 0 where all are zero.
+    #[must_use]
+    pub fn largest_multiplier(&self) -> f64 {
+        self.multipliers.iter().map(|[re, im]| libm::hypot(*re, *im)).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,148 @@
+//! Floquet multipliers of a periodic motion: the eigenvalues of its monodromy matrix.
+//!
+//! The monodromy matrix maps small changes of the state (x, ẋ) at one instant to those one period later. It is the
+//! product of exp(A_k τ_k) and the saltation matrices of all segments. Where contacts hold directions, changes are lost:
+//! the matrix has the rank of the segment in which most are held, and as many multipliers are exactly zero as are held
+//! there. The others are eigenvalues of the matrix in the space that this segment leaves.
+
+use super::chain::{Chain, Linear, Unsolved};
+use super::flow::{Field, Flow, Stage};
+use super::matrix::{null_space, product};
+use amontons::contact::ContactState;
+use amontons::integrator::Event;
+use amontons::stability::eigenvalues;
+use nalgebra::{Complex, DMatrix, DVector};
+use std::rc::Rc;
+
+/// Saltation matrices of several events at one instant that differ by less, in any order of the events, are the same.
+const SAME: f64 = 1e-7;
+
+/// Multipliers, and what is known of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Multipliers {
+    /// The multipliers that are not zero by rank, the largest first.
+    pub values: Vec<Complex<f64>>,
+    /// Number of further multipliers, which are exactly zero.
+    pub zeros: usize,
+    /// The segment that ends in several events at one instant whose order matters: a motion beside this one has no
+    /// derivative there.
+    pub ambiguous: Option<usize>,
+}
+
+/// The multipliers of a chain that is solved; `None` where its eigenvalues were not found.
+///
+/// # Errors
+/// Returns why the derivative does not exist.
+pub fn multipliers(chain: &Chain, flow: &mut Flow) -> Result<Option<Multipliers>, Unsolved> {
+    let linear = chain.linear(flow)?;
+    let (count, motion) = (linear.len(), 2 * flow.dofs());
+    let held: Vec<Vec<DVector<f64>>> =
+        chain.segments.iter().map(|segment| flow.held_rows(&segment.states)).collect();
+    let most = (0..count).max_by_key(|&k| held[k].len()).unwrap_or(0);
+    let mut ambiguous = None;
+    let units = flow.units()[..motion].to_vec();
+    let mut whole = DMatrix::identity(motion, motion);
+    for k in (0..count).map(|k| (most + k) % count) {
+        let (across, is_one) = across(chain, flow, k, &linear[k])?;
+        if !is_one && ambiguous.is_none() {
+            ambiguous = Some(k);
+        }
+        // The places of time are not changed by the motion.
+        let part = |matrix: &DMatrix<f64>| matrix.view((0, 0), (motion, motion)).into_owned();
+        whole = product(&part(&across), &product(&part(&linear[k].flow), &whole));
+    }
+    let scaled = DMatrix::from_fn(motion, motion, |i, j| whole[(i, j)] * units[j] / units[i]);
+    let rows: Vec<DVector<f64>> =
+        held[most].iter().map(|row| row.component_mul(&DVector::from_row_slice(&units))).collect();
+    let basis = null_space(&rows, motion);
+    let free = product(&basis.transpose(), &product(&scaled, &basis));
+    let zeros = motion - basis.ncols();
+    let Some(mut values) = eigenvalues(free) else { return Ok(None) };
+    let conjugates_last = |value: &Complex<f64>| value.im < 0.0;
+    values.sort_by(|a, b| {
+        b.norm().total_cmp(&a.norm()).then(conjugates_last(a).cmp(&conjugates_last(b)))
+    });
+    Ok(Some(Multipliers { values, zeros, ambiguous }))
+}
+
+/// The saltation matrix at the end of a segment; `false` if it depends on the order of events at one instant.
+fn across(
+    chain: &Chain,
+    flow: &mut Flow,
+    k: usize,
+    linear: &Linear,
+) -> Result<(DMatrix<f64>, bool), Unsolved> {
+    let segment = &chain.segments[k];
+    let events: Vec<(usize, Event)> =
+        segment.stages.iter().flat_map(|stage| stage.events.iter().copied()).collect();
+    if events.len() < 2 {
+        return Ok((linear.saltation(), true));
+    }
+    let next = &chain.segments[(k + 1) % chain.segments.len()].states;
+    let backwards: Vec<(usize, Event)> = events.iter().rev().copied().collect();
+    let mut found: Vec<DMatrix<f64>> = Vec::new();
+    for order in [events, backwards] {
+        match one_by_one(flow, &segment.states, next, &order, segment.stages.first(), linear) {
+            Ok(Some(matrix)) => found.push(matrix),
+            Ok(None) => return Ok((linear.saltation(), false)),
+            Err(failure) => return Err(failure),
+        }
+    }
+    let size = found[0].amax().max(1.0);
+    let is_one = (&found[0] - &found[1]).amax() <= SAME * size;
+    Ok((if is_one { found.swap_remove(0) } else { linear.saltation() }, is_one))
+}
+
+/// The product of the saltation matrices of events that follow each other in this order, each of which changes the state
+/// of its own contact alone; `None` where one of them is met tangentially or has no function.
+fn one_by_one(
+    flow: &mut Flow,
+    before: &[ContactState],
+    after: &[ContactState],
+    order: &[(usize, Event)],
+    first: Option<&Stage>,
+    linear: &Linear,
+) -> Result<Option<DMatrix<f64>>, Unsolved> {
+    let mut states = before.to_vec();
+    let mut y = linear.before.clone();
+    let mut whole = DMatrix::identity(flow.size(), flow.size());
+    for &(contact, event) in order {
+        let field: Rc<Field> = flow.field(&states)?;
+        let Some(row) = flow.event_row(&field, contact, event) else { return Ok(None) };
+        let rate = Flow::rate(&field, &y);
+        let slope = row.dot(&rate);
+        let bound: f64 = row.iter().zip(&rate).map(|(a, b)| (a * b).abs()).sum();
+        if !(slope.abs() > 1e-12 * bound) {
+            return Ok(None);
+        }
+        let mut then = states.clone();
+        then[contact] = after[contact];
+        let impact = first.and_then(|stage| stage.impact.clone()).map(|mut impact| {
+            // The other contacts have impacts of their own.
+            for (i, state) in impact.states.iter_mut().enumerate() {
+                if i != contact && order.contains(&(i, Event::Touch)) {
+                    *state = ContactState::Detached;
+                }
+            }
+            impact
+        });
+        let impact = impact.filter(|_| event == Event::Touch);
+        let stage = Stage { events: vec![(contact, event)], impact, states: then.clone() };
+        let reset = flow.reset(&states, &stage)?;
+        let next = super::matrix::times(&reset, &y);
+        let rate_after = Flow::rate(&*flow.field(&then)?, &next);
+        let alone = Linear {
+            flow: DMatrix::identity(0, 0),
+            before: y,
+            rate,
+            rate_after,
+            row,
+            value: 0.0,
+            slope,
+            reset,
+        };
+        whole = product(&alone.saltation(), &whole);
+        (states, y) = (then, next);
+    }
+    Ok(Some(whole))
+}

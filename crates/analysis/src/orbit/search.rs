@@ -1,0 +1,263 @@
+//! From a motion that nearly comes back to a periodic one.
+
+use super::chain::{Chain, Unsolved};
+use super::check::{Difference, compare};
+use super::extremes::extremes;
+use super::flow::{Flow, Instant};
+use super::multipliers::{Multipliers, multipliers};
+use super::{ALONG, Orbit, OrbitEvent};
+use amontons::integrator::{Motion, StepFailure};
+use std::fmt;
+
+/// Most sequences of events that are solved for one orbit.
+const MOST_SEQUENCES: usize = 24;
+/// Most events of one period.
+const MOST_EVENTS: usize = 2000;
+/// A return may come this much sooner or later than expected, in parts of the period.
+const EARLY: f64 = 0.75;
+const LATE: f64 = 1.25;
+
+/// A motion that nearly comes back.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// The motion. Under a drive it is at time 0 of the flow.
+    pub motion: Motion,
+    /// The period, s, as far as it is known; under a drive exactly. `None`: the nearest return within `longest`.
+    pub period: Option<f64>,
+    /// How long a return may take, s, where the period is not known, and the time in which it is looked for.
+    pub longest: f64,
+}
+
+/// The reason why there is no orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoOrbit {
+    /// A step of the integrator, or a contact problem, failed.
+    Failed(StepFailure),
+    /// No contact changes its state, and nothing drives the motion: its size is not determined by itself.
+    Linear,
+    /// No instant of the run comes back.
+    NoReturn,
+    /// One period has too many events.
+    TooManyEvents {
+        /// The most.
+        most: usize,
+    },
+    /// Contacts hold more directions than their masses have, and an event among them has no function.
+    Overheld,
+    /// The iteration ended at a distance from a periodic motion.
+    NotConverged {
+        /// The largest gap that was left, in parts of the motion's size.
+        rest: f64,
+        /// The time of the instant at which the motion is tangential, s, if that is the reason.
+        grazing: Option<f64>,
+        /// Number of sequences of events that were solved.
+        sequences: usize,
+    },
+}
+
+impl From<StepFailure> for NoOrbit {
+    fn from(failure: StepFailure) -> Self {
+        Self::Failed(failure)
+    }
+}
+
+impl fmt::Display for NoOrbit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Failed(failure) => write!(f, "the motion cannot be followed: {failure:?}"),
+            Self::Linear => f.write_str(
+                "no contact changes its state and nothing drives the motion: it is linear, and periodic motions of every \
+                 size are beside it",
+            ),
+            Self::NoReturn => f.write_str("the motion does not come back near to any of its instants"),
+            Self::TooManyEvents { most } => {
+                write!(f, "one period has more than {most} changes of contact state")
+            }
+            Self::Overheld => f.write_str(
+                "contacts hold more directions than their masses have, and the instant at which they part has no \
+                 derivative",
+            ),
+            Self::NotConverged { rest, grazing, sequences } => {
+                write!(
+                    f,
+                    "Newton's method ended at a gap of {rest:.1e} of the motion's size, after {sequences} sequences of \
+                     events"
+                )?;
+                match grazing {
+                    Some(time) => write!(
+                        f,
+                        "; {time:.6e} s after its beginning the motion meets an event tangentially, where it has no \
+                         derivative"
+                    ),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+}
+
+/// Solves for the periodic motion near a start. `goes_on` is asked before each sequence of events.
+///
+/// # Errors
+/// Returns why no orbit was found. `None` where `goes_on` has ended the search.
+pub fn search(
+    flow: &mut Flow,
+    start: &Start,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<Option<(Orbit, Chain)>, NoOrbit> {
+    let mut start = start.clone();
+    let mut best = (f64::INFINITY, None);
+    for sequences in 1..=MOST_SEQUENCES {
+        if !goes_on() {
+            return Ok(None);
+        }
+        let mut chain = match closed(flow, &start) {
+            Err(NoOrbit::NoReturn) if sequences > 1 => break,
+            chain => chain?,
+        };
+        if chain.segments.len() > MOST_EVENTS {
+            return Err(NoOrbit::TooManyEvents { most: MOST_EVENTS });
+        }
+        let outcome = chain.solve(flow);
+        let rest = chain.largest_gap(flow).unwrap_or(f64::INFINITY);
+        let grazing = match outcome {
+            Ok(_) => {
+                if let Difference::None { defect, closure } = compare(&chain, flow)? {
+                    return Ok(Some((orbit(&chain, flow, [defect, closure])?, chain)));
+                }
+                None
+            }
+            Err(Unsolved::Failed(failure)) => return Err(failure.into()),
+            Err(Unsolved::Unknown { .. }) => return Err(NoOrbit::Overheld),
+            Err(Unsolved::Grazes { segment }) => {
+                let before = chain.segments[..=segment].iter();
+                Some(before.map(|segment| segment.duration).sum())
+            }
+            Err(Unsolved::Stalled) => None,
+        };
+        if rest < best.0 {
+            best = (rest, grazing);
+        }
+        let first = &chain.segments[0];
+        start.motion = flow.motion(&first.start, &first.states);
+        start.period = start.period.filter(|_| flow.is_driven()).or(Some(chain.period()));
+    }
+    let (rest, grazing) = best;
+    Err(NoOrbit::NotConverged { rest, grazing, sequences: MOST_SEQUENCES })
+}
+
+/// The chain of a run from the start until it nearly comes back.
+fn closed(flow: &mut Flow, start: &Start) -> Result<Chain, NoOrbit> {
+    let Start { motion, period, longest } = start;
+    if let (true, Some(period)) = (flow.is_driven(), *period) {
+        let (_, mut instants) =
+            flow.run(motion, 0.0, period, |records| records.len() <= MOST_EVENTS)?;
+        instants.retain(|instant| instant.time > 0.0 || instant.is_change());
+        return Ok(Chain::of_run(flow, motion, 0.0, &instants, Some(period)));
+    }
+    let duration = period.map_or(*longest, |period| (1.0 + LATE) * period);
+    let (_, instants) =
+        flow.run(motion, 0.0, duration, |records| records.len() <= 4 * MOST_EVENTS)?;
+    if instants.is_empty() {
+        return Err(NoOrbit::Linear);
+    }
+    let (from, to) = nearest_return(flow, &instants, *period).ok_or(NoOrbit::NoReturn)?;
+    let shifted: Vec<Instant> = instants[from + 1..=to]
+        .iter()
+        .map(|instant| Instant { time: instant.time - instants[from].time, ..instant.clone() })
+        .collect();
+    Ok(Chain::of_run(flow, &instants[from].after, 0.0, &shifted, None))
+}
+
+/// The two instants of a run with the same events whose states are nearest to each other. Where the period is not known,
+/// the shortest of the returns that are about as near.
+fn nearest_return(
+    flow: &Flow,
+    instants: &[Instant],
+    period: Option<f64>,
+) -> Option<(usize, usize)> {
+    /// Returns within this factor of the nearest are as near.
+    const ABOUT: f64 = 4.0;
+    let n = flow.dofs();
+    let scale = |values: fn(&Motion) -> &[f64]| {
+        let sizes = instants.iter().flat_map(|instant| values(&instant.after));
+        sizes.fold(f64::MIN_POSITIVE, |most: f64, value| most.max(value.abs()))
+    };
+    let scales = [scale(|motion| &motion.displacement), scale(|motion| &motion.velocity)];
+    let distance = |a: &Motion, b: &Motion| {
+        let parts = (0..n).map(|i| {
+            let place = (a.displacement[i] - b.displacement[i]).abs() / scales[0];
+            place.max((a.velocity[i] - b.velocity[i]).abs() / scales[1])
+        });
+        parts.fold(0.0, f64::max)
+    };
+    let mut found: Vec<(f64, f64, usize, usize)> = Vec::new();
+    for (from, first) in instants.iter().enumerate() {
+        for (to, last) in instants.iter().enumerate().skip(from + 1) {
+            let time = last.time - first.time;
+            let is_due = period.is_none_or(|p| EARLY * p <= time && time <= LATE * p);
+            if !is_due || !first.is_like(last) {
+                if period.is_some_and(|p| time > LATE * p) {
+                    break;
+                }
+                continue;
+            }
+            found.push((distance(&first.after, &last.after), time, from, to));
+        }
+    }
+    let nearest = found.iter().map(|entry| entry.0).fold(f64::INFINITY, f64::min);
+    let alike = found.iter().filter(|entry| entry.0 <= ABOUT * nearest.max(1e-12));
+    alike.min_by(|a, b| a.1.total_cmp(&b.1)).map(|&(.., from, to)| (from, to))
+}
+
+/// The orbit of a chain that is solved and confirmed.
+fn orbit(chain: &Chain, flow: &mut Flow, [defect, closure]: [f64; 2]) -> Result<Orbit, NoOrbit> {
+    let found = multipliers(chain, flow).map_err(|unsolved| match unsolved {
+        Unsolved::Failed(failure) => NoOrbit::Failed(failure),
+        _ => NoOrbit::Overheld,
+    })?;
+    let Multipliers { values, zeros, ambiguous } =
+        found.unwrap_or(Multipliers { values: Vec::new(), zeros: 0, ambiguous: None });
+    let driven = flow.is_driven();
+    let mut rest: Vec<[f64; 2]> = values.iter().map(|value| [value.re, value.im]).collect();
+    let mut along = None;
+    if !driven {
+        let off = |value: &[f64; 2]| libm::hypot(value[0] - 1.0, value[1]);
+        let nearest = (0..rest.len()).min_by(|a, b| off(&rest[*a]).total_cmp(&off(&rest[*b])));
+        if let Some(place) = nearest.filter(|place| off(&rest[*place]) < ALONG) {
+            along = Some(rest.remove(place)[0]);
+        }
+    }
+    let extents = extremes(chain, flow)?.iter().map(|[least, most]| 0.5 * (most - least)).collect();
+    let first = &chain.segments[0];
+    let motion = flow.motion(&first.start, &first.states);
+    let mut time = 0.0;
+    let mut events = Vec::new();
+    for (k, segment) in chain.segments.iter().enumerate() {
+        time += segment.duration;
+        if segment.stages.is_empty() {
+            continue;
+        }
+        let next = &chain.segments[(k + 1) % chain.segments.len()];
+        events.push(OrbitEvent {
+            time,
+            events: segment.stages.iter().flat_map(|stage| stage.events.iter().copied()).collect(),
+            states: next.states.clone(),
+        });
+    }
+    Ok(Orbit {
+        period: chain.period(),
+        displacement: motion.displacement,
+        velocity: motion.velocity,
+        states: motion.contacts,
+        events,
+        extents,
+        multipliers: rest,
+        along,
+        zeros,
+        ambiguous,
+        defect,
+        closure,
+        driven,
+    })
+}

@@ -1,0 +1,193 @@
+//! `amontons study orbit`.
+
+use super::arguments::{ObservationOptions, StudyArguments};
+use super::folder::Folder;
+use super::{heading, interrupted, prepared, watched};
+use amontons::integrator::Event;
+use amontons::scene::Scene;
+use amontons_analysis::orbit::{Orbit, OrbitEvent};
+use amontons_analysis::output::AtomicFile;
+use amontons_analysis::study::perturbation::Direction;
+use amontons_analysis::study::{FoundOrbit, From, initial_value, orbit};
+use amontons_analysis::sweep::range;
+use amontons_cli::say;
+use amontons_export::documentation::counted;
+use clap::Args;
+use serde_json::json;
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Accuracy of a boundary: a run from it stays near the orbit until this part has grown.
+const BOUNDARY: f64 = 1e-12;
+/// File of the orbit, from which other commands start.
+const FILE: &str = "orbit.json";
+
+#[derive(Args)]
+pub struct OrbitArguments {
+    #[command(flatten)]
+    common: StudyArguments,
+    #[command(flatten)]
+    options: ObservationOptions,
+    /// Start from an orbit that this study has found before, perhaps with other values
+    #[arg(long, value_name = "ORBIT.JSON", conflicts_with = "between")]
+    from: Option<PathBuf>,
+    /// Start from the boundary between the motions that two values of an initial value end in: unstable orbits are there
+    #[arg(long, value_name = "NAME=A:B", value_parser = named_ends)]
+    between: Option<(String, [f64; 2])>,
+}
+
+/// Parses a name with two values.
+fn named_ends(text: &str) -> Result<(String, [f64; 2]), String> {
+    range::named(text, |values| {
+        let (a, b) = values.split_once(':').ok_or("must be NAME=A:B, with two values")?;
+        Ok([range::number(a)?, range::number(b)?])
+    })
+}
+
+pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
+    let OrbitArguments { common, options, from, between } = arguments;
+    let (scene, source, observation) = prepared(common, options)?;
+    let start = match (from, between) {
+        (Some(path), _) => From::Orbit(Box::new(read(path, &scene)?)),
+        (None, Some((name, [a, b]))) => From::Boundary(Direction {
+            name: initial_value(&scene, name)?,
+            amplitudes: vec![a.min(*b), a.max(*b)],
+            resolution: BOUNDARY,
+        }),
+        (None, None) => From::Run,
+    };
+    let settings = json!({ "look": observation, "between": between, "from": from });
+    let folder = Folder::open(common, "orbit", (&scene, &source), settings)?;
+    let found = watched(|watch| orbit(&scene, &observation, &start, folder.journal(), watch))?;
+    let Some(found) = found else { return Err(interrupted(&folder)) };
+    folder.write_csv(
+        &["time", "phase", "contact", "event", "states"],
+        rows(&scene, &found.orbit).iter().flatten(),
+    )?;
+    folder.write_json(json!({
+        "orbit": found.orbit,
+        "stable": found.orbit.is_stable(),
+        "ending": found.ending,
+        "boundary": found.boundary,
+    }))?;
+    write(&folder.path().join(FILE), &found.orbit)?;
+    say!("{}", heading(&[(&scene, &observation)]));
+    print(&scene, &found);
+    say!("\n{} has results.csv, study.json and {FILE}", folder.path().display());
+    Ok(())
+}
+
+/// Reads an orbit that belongs to the scene.
+fn read(path: &Path, scene: &Scene) -> Result<Orbit, amontons::Error> {
+    let text =
+        std::fs::read_to_string(path).map_err(|error| amontons::Error::file(path, &error))?;
+    let wrong = |why: String| amontons::Error::file(path, &std::io::Error::other(why));
+    let orbit: Orbit = serde_json::from_str(&text)
+        .map_err(|error| wrong(format!("this is no orbit of `amontons study orbit`: {error}")))?;
+    let counts = [
+        ("displacements", orbit.displacement.len(), scene.dof_names().len()),
+        ("velocities", orbit.velocity.len(), scene.dof_names().len()),
+        ("contacts", orbit.states.len(), scene.contact_count()),
+    ];
+    for (what, has, needs) in counts {
+        if has != needs {
+            return Err(wrong(format!(
+                "the orbit has {has} {what}, but {} has {needs}: it belongs to another scene",
+                scene.name
+            )));
+        }
+    }
+    let numbers = orbit.displacement.iter().chain(&orbit.velocity).chain([&orbit.period]);
+    let are_finite = numbers.into_iter().fold(true, |all, number| all && number.is_finite());
+    if !are_finite || orbit.period <= 0.0 {
+        return Err(wrong("the orbit has numbers that no orbit has".to_owned()));
+    }
+    Ok(orbit)
+}
+
+fn write(path: &Path, orbit: &Orbit) -> Result<(), Box<dyn Error>> {
+    let mut file = AtomicFile::create(path)?;
+    let text = format!("{:#}\n", serde_json::to_value(orbit)?);
+    file.write_all(text.as_bytes()).map_err(|error| amontons::Error::file(path, &error))?;
+    Ok(file.complete()?)
+}
+
+/// The rows of the table of events: one for each contact with an event, by time.
+fn rows(scene: &Scene, orbit: &Orbit) -> Vec<Vec<[String; 5]>> {
+    let of_instant = |instant: &OrbitEvent| {
+        let states: Vec<String> = instant.states.iter().map(ToString::to_string).collect();
+        let states = states.join("-");
+        let row = |(contact, event): &(usize, Event)| {
+            [
+                format!("{:?}", instant.time),
+                format!("{:?}", instant.time / orbit.period),
+                scene.contact_name(*contact).to_string(),
+                words(*event).to_owned(),
+                states.clone(),
+            ]
+        };
+        instant.events.iter().map(row).collect()
+    };
+    orbit.events.iter().map(of_instant).collect()
+}
+
+/// What happens at an event.
+fn words(event: Event) -> &'static str {
+    match event {
+        Event::Touch => "touches",
+        Event::Lift => "lifts off",
+        Event::Stop => "slip stops",
+        Event::Slip(_) => "begins to slip",
+        Event::Leave(_) => "is left by its surface",
+        Event::Part => "parts",
+    }
+}
+
+fn print(scene: &Scene, FoundOrbit { orbit, boundary, .. }: &FoundOrbit) {
+    if let Some([low, high]) = boundary {
+        say!("found from the boundary between {low} and {high}");
+    }
+    let changes = counted(orbit.events.len(), "change", "changes");
+    say!(
+        "\n{}: periodic motion, {:.12e} s ({:.6} Hz), {changes} of contact state",
+        scene.name,
+        orbit.period,
+        1.0 / orbit.period
+    );
+    say!("defect {:.1e}, closure {:.1e} of the motion's size", orbit.defect, orbit.closure);
+    let stability = match orbit.is_stable() {
+        Some(true) => "stable",
+        Some(false) => "unstable",
+        None if orbit.ambiguous.is_some() => {
+            "stability unknown: events at one instant depend on their order for motions beside this one"
+        }
+        None => "at the limit of stability",
+    };
+    say!("{stability}; largest multiplier {:.6}", orbit.largest_multiplier());
+    let list: Vec<String> = orbit.multipliers.iter().filter_map(multiplier).collect();
+    say!("multipliers: {}", if list.is_empty() { "none".to_owned() } else { list.join(", ") });
+    if let Some(along) = orbit.along {
+        say!("along the motion: 1 {:+.0e}", along - 1.0);
+    }
+    say!("exactly zero: {}", orbit.zeros);
+    say!("\n{:<24}  half peak to peak [m]", "displacement");
+    for (name, extent) in scene.dof_names().iter().zip(&orbit.extents) {
+        say!("{name:<24}  {extent:.9e}");
+    }
+    say!("\n{:>18}  {:>12}  {:<16}  {:<18}  then", "time [s]", "of a period", "contact", "event");
+    for row in rows(scene, orbit).iter().flatten() {
+        let [time, phase, contact, event, states] = row;
+        let [time, phase]: [f64; 2] = [time, phase].map(|text| text.parse().unwrap_or(f64::NAN));
+        say!("{time:>18.12e}  {phase:>12.9}  {contact:<16}  {event:<18}  {states}");
+    }
+}
+
+/// A multiplier in words; `None` of the second of a conjugate pair.
+fn multiplier([re, im]: &[f64; 2]) -> Option<String> {
+    if *im == 0.0 {
+        Some(format!("{re:.6}"))
+    } else {
+        (*im > 0.0).then(|| format!("{re:.6} ± {im:.6}i"))
+    }
+}
