@@ -89,12 +89,12 @@ pub struct Linear {
     pub rate_after: DVector<f64>,
     /// The row h of the function that ends the segment.
     pub row: DVector<f64>,
-    /// h y⁻.
-    pub value: f64,
     /// h f⁻.
     pub slope: f64,
     /// The map R across the instant.
     pub reset: DMatrix<f64>,
+    /// Number of the state's places that depend on time alone.
+    pub times: usize,
 }
 
 impl Linear {
@@ -209,7 +209,7 @@ impl Chain {
                     return Err(Unsolved::Grazes { segment: k });
                 }
                 Ok(Linear {
-                    value: row.dot(&before),
+                    times: flow.size() - 2 * flow.dofs(),
                     rate_after: Flow::rate(&after, &reached),
                     flow: propagator,
                     before,
@@ -222,29 +222,44 @@ impl Chain {
             .collect()
     }
 
-    /// What is left of each equation: the changes of state from the end of each segment to the beginning of the next,
-    /// and by how much each event is missed, s.
-    fn rests(&self, linear: &[Linear]) -> (Vec<DVector<f64>>, Vec<f64>) {
+    /// What is left of each equation.
+    ///
+    /// # Errors
+    /// Returns the segment that ends in an event without a function.
+    pub(super) fn rests(&self, flow: &mut Flow) -> Result<Rests, Unsolved> {
         let count = self.segments.len();
-        let gap = |(k, linear): (usize, &Linear)| {
-            times(&linear.reset, &linear.before) - &self.segments[(k + 1) % count].start
-        };
-        let gaps = linear.iter().enumerate().map(gap).collect();
-        (gaps, linear.iter().map(|linear| -linear.value / linear.slope).collect())
+        let (mut gaps, mut values) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for (k, segment) in self.segments.iter().enumerate() {
+            let field = flow.field(&segment.states)?;
+            let before = flow.propagate(&field, &segment.start, segment.duration);
+            let row = end_row(flow, &field, segment).ok_or(Unsolved::Unknown { segment: k })?;
+            values.push(row.dot(&before));
+            let mut reached = before;
+            let mut states = &segment.states;
+            for stage in &segment.stages {
+                reached = times(&flow.reset(states, stage)?, &reached);
+                states = &stage.states;
+            }
+            gaps.push(reached - &self.segments[(k + 1) % count].start);
+        }
+        Ok(Rests { gaps, values })
     }
 
     /// The largest rest, in parts of the motion's size and of its period.
-    fn largest_rest(&self, dofs: usize, (gaps, misses): &(Vec<DVector<f64>>, Vec<f64>)) -> f64 {
+    fn largest_rest(&self, dofs: usize, linear: &[Linear], rests: &Rests) -> f64 {
         let period = self.period();
-        let gaps = gaps.iter().map(|gap| self.size(dofs, gap)).fold(0.0, f64::max);
-        misses.iter().map(|miss| miss.abs() / period).fold(gaps, f64::max)
+        let gaps = rests.gaps.iter().map(|gap| self.size(dofs, gap)).fold(0.0, f64::max);
+        let misses = rests.values.iter().zip(linear);
+        let misses = misses.map(|(value, linear)| (value / linear.slope).abs() / period);
+        misses.fold(gaps, f64::max)
     }
 
     /// The largest gap between the end of a segment and the beginning of the next, in parts of the motion's size, or by
     /// which an event is missed, in parts of the period; `None` where the chain has no derivative.
     pub fn largest_gap(&self, flow: &mut Flow) -> Option<f64> {
         let linear = self.linear(flow).ok()?;
-        Some(self.largest_rest(flow.dofs(), &self.rests(&linear)))
+        let rests = self.rests(flow).ok()?;
+        Some(self.largest_rest(flow.dofs(), &linear, &rests))
     }
 
     /// Corrects the chain until all its equations are met to rounding; returns the number of corrections.
@@ -256,96 +271,185 @@ impl Chain {
         let mut last = f64::INFINITY;
         for corrections in 0..MOST_CORRECTIONS {
             let linear = self.linear(flow)?;
-            let rests = self.rests(&linear);
-            let now = self.largest_rest(dofs, &rests);
-            let (states, delays) =
-                self.correction(dofs, &linear, &rests).ok_or(Unsolved::Stalled)?;
-            let period = self.period();
-            let size = states.iter().map(|change| self.size(dofs, change)).fold(0.0, f64::max);
-            let size = delays.iter().map(|delay| delay.abs() / period).fold(size, f64::max);
+            let rests = self.rests(flow)?;
+            let now = self.largest_rest(dofs, &linear, &rests);
+            let condensed = Condensed::of(&linear, &rests, None);
+            let first = condensed.close(dofs, self.scales).ok_or(Unsolved::Stalled)?;
+            let change = condensed.expand(&first, 0.0).ok_or(Unsolved::Stalled)?;
+            let size = self.size_of(dofs, &change);
             if size <= SOLVED || size <= ROUNDING && size > 0.5 * last {
                 return Ok(corrections);
             }
             last = size;
             let mut part = 1.0;
-            let corrected = loop {
+            loop {
                 let mut trial = self.clone();
-                trial.correct(flow, part, &states, &delays);
-                if trial.segments.iter().all(|segment| segment.duration > 0.0) {
-                    match trial.linear(flow) {
-                        Ok(linear) => {
-                            let left = trial.largest_rest(dofs, &trial.rests(&linear));
-                            if left < now || size <= ROUNDING {
-                                break Some(trial);
-                            }
-                        }
-                        Err(Unsolved::Grazes { .. }) => {}
-                        Err(other) => return Err(other),
-                    }
+                trial.apply(flow, part, &change);
+                let is_ordered = trial.segments.iter().all(|segment| segment.duration > 0.0);
+                // The rates of events are those before the correction: they measure both alike.
+                let left = if is_ordered {
+                    trial.largest_rest(dofs, &linear, &trial.rests(flow)?)
+                } else {
+                    f64::INFINITY
+                };
+                if left < now || is_ordered && size <= ROUNDING {
+                    *self = trial;
+                    break;
                 }
                 part *= 0.5;
                 if part < LEAST_PART {
-                    break None;
+                    return Err(Unsolved::Stalled);
                 }
-            };
-            match corrected {
-                Some(trial) => *self = trial,
-                None => return Err(Unsolved::Stalled),
             }
         }
         Err(Unsolved::Stalled)
     }
 
-    fn correct(&mut self, flow: &Flow, part: f64, states: &[DVector<f64>], delays: &[f64]) {
-        for ((segment, change), delay) in self.segments.iter_mut().zip(states).zip(delays) {
-            segment.start.axpy(part, change, 1.0);
+    /// The size of a change, in parts of the motion's size and of its period.
+    pub(super) fn size_of(&self, dofs: usize, change: &Change) -> f64 {
+        let period = self.period();
+        let size = change.states.iter().map(|state| self.size(dofs, state)).fold(0.0, f64::max);
+        change.delays.iter().map(|delay| delay.abs() / period).fold(size, f64::max)
+    }
+
+    /// Adds this part of a change.
+    pub(super) fn apply(&mut self, flow: &Flow, part: f64, change: &Change) {
+        for ((segment, state), delay) in
+            self.segments.iter_mut().zip(&change.states).zip(&change.delays)
+        {
+            segment.start.axpy(part, state, 1.0);
             segment.duration += part * delay;
         }
+        self.set_times(flow);
+    }
+
+    /// Writes the places of all states that depend on time alone.
+    pub(super) fn set_times(&mut self, flow: &Flow) {
         let times = self.times();
         for (segment, time) in self.segments.iter_mut().zip(times) {
             flow.set_time(&mut segment.start, time);
         }
     }
+}
 
-    /// Newton's correction of all states and durations.
-    #[allow(clippy::type_complexity)]
-    fn correction(
+/// What is left of the equations of a chain.
+pub(super) struct Rests {
+    /// R y⁻ of each segment minus the beginning of the next.
+    pub gaps: Vec<DVector<f64>>,
+    /// h y⁻ of each segment.
+    pub values: Vec<f64>,
+}
+
+/// A change of all states and durations of a chain.
+pub(super) struct Change {
+    /// Of the beginnings of segments.
+    pub states: Vec<DVector<f64>>,
+    /// Of durations, s.
+    pub delays: Vec<f64>,
+}
+
+/// The linear equations of a chain, condensed to the changes of its first state (x_0, ẋ_0) and of a parameter.
+pub(super) struct Condensed<'a> {
+    linear: &'a [Linear],
+    misses: Vec<f64>,
+    misses_by_parameter: Vec<f64>,
+    /// The change of each state, and of the first one after a period: `by` times that of the first one, plus `own`, plus
+    /// `by_parameter` times that of the parameter.
+    at: Vec<CondensedState>,
+}
+
+#[derive(Clone)]
+struct CondensedState {
+    by: DMatrix<f64>,
+    own: DVector<f64>,
+    by_parameter: DVector<f64>,
+}
+
+impl<'a> Condensed<'a> {
+    /// Condenses the equations; `by_parameter` are the derivatives of the rests by a parameter.
+    pub(super) fn of(linear: &'a [Linear], rests: &Rests, by_parameter: Option<&Rests>) -> Self {
+        let size = linear[0].before.len();
+        let motion = size - linear[0].times;
+        let misses = |rests: &Rests| -> Vec<f64> {
+            rests.values.iter().zip(linear).map(|(value, linear)| -value / linear.slope).collect()
+        };
+        let own_misses = misses(rests);
+        let misses_by_parameter =
+            by_parameter.map_or_else(|| vec![0.0; linear.len()], misses);
+        let mut now = CondensedState {
+            by: DMatrix::identity(size, motion),
+            own: DVector::zeros(size),
+            by_parameter: DVector::zeros(size),
+        };
+        let mut at = Vec::with_capacity(linear.len() + 1);
+        for (k, linear) in linear.iter().enumerate() {
+            at.push(now.clone());
+            let across = linear.from_event_to_event();
+            let onward = |state: &DVector<f64>| times(&across, &times(&linear.flow, state));
+            let along = times(&linear.reset, &linear.rate);
+            now = CondensedState {
+                by: product(&across, &product(&linear.flow, &now.by)),
+                own: onward(&now.own) + &rests.gaps[k] + &along * own_misses[k],
+                by_parameter: onward(&now.by_parameter) + &along * misses_by_parameter[k],
+            };
+            if let Some(rests) = by_parameter {
+                now.by_parameter += &rests.gaps[k];
+            }
+        }
+        at.push(now);
+        Self { linear, misses: own_misses, misses_by_parameter, at }
+    }
+
+    /// 1 − B, the equations of closure, and their right sides: what is left, and the derivatives by the parameter; in
+    /// units of displacements and velocities.
+    pub(super) fn closure(
         &self,
         dofs: usize,
-        linear: &[Linear],
-        (gaps, misses): &(Vec<DVector<f64>>, Vec<f64>),
-    ) -> Option<(Vec<DVector<f64>>, Vec<f64>)> {
-        let (size, motion) = (linear[0].before.len(), 2 * dofs);
-        // Changes of each state: those of the first one times `by`, plus `own`.
-        let mut by = DMatrix::identity(size, motion);
-        let mut own = DVector::zeros(size);
-        let mut chain = Vec::with_capacity(linear.len());
-        for ((linear, gap), miss) in linear.iter().zip(gaps).zip(misses) {
-            chain.push((by.clone(), own.clone()));
-            let across = linear.from_event_to_event();
-            by = product(&across, &product(&linear.flow, &by));
-            own = times(&across, &times(&linear.flow, &own))
-                + gap
-                + times(&linear.reset, &linear.rate) * *miss;
-        }
-        // Numbers of one size make the pivots of the elimination right.
-        let [place, speed] = self.scales;
+        [place, speed]: [f64; 2],
+    ) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
+        let CondensedState { by, own, by_parameter } = &self.at[self.linear.len()];
         let unit = |i: usize| if i < dofs { place } else { speed };
+        let motion = by.ncols();
         let matrix = DMatrix::from_fn(motion, motion, |i, j| {
             (f64::from(u8::from(i == j)) - by[(i, j)]) * unit(j) / unit(i)
         });
-        let right = DVector::from_fn(motion, |i, _| own[i] / unit(i));
-        let first = matrix.lu().solve(&right)?;
-        let first = DVector::from_fn(motion, |i, _| first[i] * unit(i));
-        let states: Vec<DVector<f64>> =
-            chain.iter().map(|(by, own)| times(by, &first) + own).collect();
-        let delays = linear.iter().zip(&states).zip(misses);
-        let delays = delays.map(|((linear, change), miss)| {
-            miss - linear.row.dot(&times(&linear.flow, change)) / linear.slope
-        });
-        let delays: Vec<f64> = delays.collect();
+        let scaled = |vector: &DVector<f64>| DVector::from_fn(motion, |i, _| vector[i] / unit(i));
+        (matrix, scaled(own), scaled(by_parameter))
+    }
+
+    /// The change of the first state that closes the chain with the parameter as it is.
+    fn close(&self, dofs: usize, scales: [f64; 2]) -> Option<DVector<f64>> {
+        let (matrix, own, _) = self.closure(dofs, scales);
+        let mut first = matrix.lu().solve(&own)?;
+        for (i, value) in first.iter_mut().enumerate() {
+            *value *= scales[usize::from(i >= dofs)];
+        }
+        Some(first)
+    }
+
+    /// The change of everything that goes with changes of the first state and of the parameter.
+    pub(super) fn expand(&self, first: &DVector<f64>, parameter: f64) -> Option<Change> {
+        self.expand_with(first, parameter, 1.0)
+    }
+
+    /// The change of everything that goes with a direction of the first state and of the parameter alone.
+    pub(super) fn direction(&self, first: &DVector<f64>, parameter: f64) -> Option<Change> {
+        self.expand_with(first, parameter, 0.0)
+    }
+
+    fn expand_with(&self, first: &DVector<f64>, parameter: f64, own: f64) -> Option<Change> {
+        let state = |state: &CondensedState| {
+            times(&state.by, first) + &state.own * own + &state.by_parameter * parameter
+        };
+        let states: Vec<DVector<f64>> = self.at[..self.linear.len()].iter().map(state).collect();
+        let delay = |k: usize| {
+            let linear = &self.linear[k];
+            let flown = linear.row.dot(&times(&linear.flow, &states[k])) / linear.slope;
+            own * self.misses[k] + parameter * self.misses_by_parameter[k] - flown
+        };
+        let delays = (0..self.linear.len()).map(delay).collect();
         let is_finite = states.iter().all(|change| change.iter().all(|value| value.is_finite()));
-        is_finite.then_some((states, delays))
+        is_finite.then_some(Change { states, delays })
     }
 }
 

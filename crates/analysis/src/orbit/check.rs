@@ -2,7 +2,7 @@
 
 use super::chain::{Chain, Segment};
 use super::flow::{Flow, Instant};
-use amontons::integrator::StepFailure;
+use amontons::integrator::{Event, StepFailure};
 use nalgebra::DVector;
 
 /// The integrator's events may be this far from the chain's, in parts of the period.
@@ -14,8 +14,9 @@ pub enum Difference {
     /// It agrees; the largest difference between the end of a segment and the beginning of the next, and the difference
     /// after a whole period, in parts of the motion's size.
     None { defect: f64, closure: f64 },
-    /// Another event comes first in this segment, or other states follow.
-    Elsewhere { segment: usize },
+    /// Another event comes first in this segment, or other states follow: the contact and the event that the integrator
+    /// found there, `None` if it found none.
+    Elsewhere { segment: usize, found: Option<(usize, Event)> },
 }
 
 /// Runs each segment from its beginning, and all of them in one.
@@ -28,10 +29,10 @@ pub fn compare(chain: &Chain, flow: &mut Flow) -> Result<Difference, StepFailure
     let (mut time, mut defect) = (0.0, 0.0_f64);
     for (k, segment) in chain.segments.iter().enumerate() {
         let next = &chain.segments[(k + 1) % count];
-        let Some(off) = end_of(segment, next, chain, flow, time, near)? else {
-            return Ok(Difference::Elsewhere { segment: k });
-        };
-        defect = defect.max(off);
+        match end_of(segment, next, chain, flow, time, near)? {
+            Ok(off) => defect = defect.max(off),
+            Err(found) => return Ok(Difference::Elsewhere { segment: k, found }),
+        }
         time += segment.duration;
     }
     let first = &chain.segments[0];
@@ -52,8 +53,8 @@ fn first_ends_by_phase(chain: &Chain) -> bool {
     chain.segments.last().is_some_and(|segment| segment.stages.is_empty())
 }
 
-/// The difference between the end of a segment by the integrator and the beginning of the next; `None` if the segment
-/// ends otherwise.
+/// The difference between the end of a segment by the integrator and the beginning of the next; the event that was found
+/// if the segment ends otherwise.
 fn end_of(
     segment: &Segment,
     next: &Segment,
@@ -61,7 +62,7 @@ fn end_of(
     flow: &mut Flow,
     time: f64,
     near: f64,
-) -> Result<Option<f64>, StepFailure> {
+) -> Result<Result<f64, Option<(usize, Event)>>, StepFailure> {
     let motion = flow.motion(&segment.start, &segment.states);
     let dofs = flow.dofs();
     let off = |flow: &Flow, reached: &amontons::integrator::Motion| -> f64 {
@@ -70,16 +71,19 @@ fn end_of(
     };
     if segment.stages.is_empty() {
         let (end, instants) = flow.run(&motion, time, segment.duration, |_| true)?;
-        let is_same = instants.iter().all(|instant| is_nothing(instant, near));
-        return Ok((is_same && end.contacts == next.states).then(|| off(flow, &end)));
+        let other = instants.iter().find(|instant| !is_nothing(instant, near));
+        return Ok(match other {
+            None if end.contacts == next.states => Ok(off(flow, &end)),
+            other => Err(other.and_then(Instant::first_event)),
+        });
     }
     let (_, instants) =
         flow.run(&motion, time, segment.duration + near, |records| records.len() < 4)?;
     let mut instants = instants.iter().filter(|instant| !is_nothing(instant, near));
-    let Some(instant) = instants.next() else { return Ok(None) };
+    let Some(instant) = instants.next() else { return Ok(Err(None)) };
     let is_same =
         (instant.time - segment.duration).abs() <= near && instant.after.contacts == next.states;
-    Ok(is_same.then(|| off(flow, &instant.after)))
+    Ok(if is_same { Ok(off(flow, &instant.after)) } else { Err(instant.first_event()) })
 }
 
 /// `true` of an instant at the very beginning that leaves all states as they are.

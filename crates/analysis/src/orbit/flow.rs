@@ -24,6 +24,9 @@ use std::rc::Rc;
 /// events that rounding sets apart.
 const ONE_INSTANT: f64 = 1e-10;
 
+/// Powers of a motion over a part of a segment in which A t has at most norm 1: 1/20! = 4e-19.
+const POWERS: usize = 19;
+
 /// A scene whose drive is constant but for sines, as a piecewise linear flow. Time 0 is the instant of the simulation
 /// that it was made of.
 pub struct Flow {
@@ -78,6 +81,12 @@ impl Instant {
     #[must_use]
     pub fn is_change(&self) -> bool {
         self.before.contacts != self.after.contacts
+    }
+
+    /// The first contact with an event, and the event.
+    #[must_use]
+    pub fn first_event(&self) -> Option<(usize, Event)> {
+        self.stages.iter().flat_map(|stage| stage.events.first()).next().copied()
     }
 
     /// `true` if the same contacts have the same events here and there, in the same states.
@@ -362,6 +371,49 @@ impl Flow {
     #[must_use]
     pub fn propagator(&self, field: &Field, t: f64) -> DMatrix<f64> {
         exponential(&field.matrix, &self.units, t)
+    }
+
+    /// exp(A t) y, as the power series of the motion over parts of the time.
+    #[must_use]
+    pub fn propagate(&self, field: &Field, y: &DVector<f64>, t: f64) -> DVector<f64> {
+        let mut end = y.clone();
+        for (powers, part) in self.powers(field, y, t) {
+            end = powers.iter().rev().fold(DVector::zeros(y.len()), |sum, c| sum * part + c);
+        }
+        end
+    }
+
+    /// The motion from a state on over the time `t` (s), as power series in the time since the beginning of each of its
+    /// parts, with the parts' lengths (s). Over a part A t has at most norm 1.
+    pub(super) fn powers<'a>(
+        &'a self,
+        field: &'a Field,
+        y: &DVector<f64>,
+        t: f64,
+    ) -> impl Iterator<Item = (Vec<DVector<f64>>, f64)> + 'a {
+        let of_column = |j: usize| {
+            let column = field.matrix.column(j);
+            let sizes = column.iter().zip(&self.units).map(|(a, unit)| (a / unit).abs());
+            sizes.sum::<f64>() * self.units[j]
+        };
+        let norm = (0..self.units.len()).map(of_column).fold(0.0, f64::max);
+        let count = (norm * t.abs()).ceil().max(1.0);
+        let part = t / count;
+        let mut start = y.clone();
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        (0..count as usize).map(move |_| {
+            let mut powers = Vec::with_capacity(POWERS + 1);
+            powers.push(start.clone());
+            let mut factor = 0.0;
+            for k in 0..POWERS {
+                factor += 1.0;
+                let next = times(&field.matrix, &powers[k]) / factor;
+                powers.push(next);
+            }
+            let zero = DVector::zeros(start.len());
+            start = powers.iter().rev().fold(zero, |sum, c| sum * part + c);
+            (powers, part)
+        })
     }
 
     /// The units of a state's places.

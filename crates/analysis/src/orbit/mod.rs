@@ -8,12 +8,14 @@
 //! | `check` | the chain held against the event-driven integrator, segment by segment |
 //! | `multipliers` | monodromy matrix, rank, multipliers |
 //! | `extremes` | turning points |
+//! | `branch` | periodic motions over a parameter: folds, bifurcations, changes of the sequence of events |
 //! | `search` | from a motion that nearly comes back to a periodic one |
 //!
 //! An orbit begins as a run of the event-driven integrator over one period, which finds the sequence of events. Newton's
 //! method closes the chain of its segments. The integrator then runs each segment again from its beginning: only a chain
 //! whose events it confirms, all and no others, is an orbit; any other sequence that it finds is solved in its place.
 
+mod branch;
 mod chain;
 mod check;
 mod extremes;
@@ -22,6 +24,9 @@ mod matrix;
 mod multipliers;
 mod search;
 
+pub use branch::{
+    Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint, branch,
+};
 pub use chain::{Chain, Linear, Segment, Unsolved};
 pub use flow::{Field, Flow, Instant, Stage};
 pub use multipliers::{Multipliers, multipliers};

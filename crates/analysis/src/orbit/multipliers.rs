@@ -73,8 +73,22 @@ fn across(
     linear: &Linear,
 ) -> Result<(DMatrix<f64>, bool), Unsolved> {
     let segment = &chain.segments[k];
-    let events: Vec<(usize, Event)> =
+    let mut events: Vec<(usize, Event)> =
         segment.stages.iter().flat_map(|stage| stage.events.iter().copied()).collect();
+    if segment.stages.iter().all(|stage| stage.impact.is_none()) {
+        let field = flow.field(&segment.states)?;
+        let next = &chain.segments[(k + 1) % chain.segments.len()].states;
+        for contact in 0..next.len() {
+            let has_one = events.iter().any(|event| event.0 == contact);
+            let event = implied(segment.states[contact], next[contact]).filter(|_| !has_one);
+            let Some(event) = event else { continue };
+            let Some(row) = flow.event_row(&field, contact, event) else { continue };
+            let terms = row.iter().zip(&linear.before).map(|(a, b)| (a * b).abs()).sum::<f64>();
+            if row.dot(&linear.before).abs() <= SAME * terms {
+                events.push((contact, event));
+            }
+        }
+    }
     if events.len() < 2 {
         return Ok((linear.saltation(), true));
     }
@@ -88,9 +102,27 @@ fn across(
             Err(failure) => return Err(failure),
         }
     }
-    let size = found[0].amax().max(1.0);
-    let is_one = (&found[0] - &found[1]).amax() <= SAME * size;
+    // Only changes that the contacts let happen before count.
+    let motion = 2 * flow.dofs();
+    let allowed = null_space(&flow.held_rows(&segment.states), motion);
+    let on_allowed = |matrix: &DMatrix<f64>| {
+        product(&matrix.view((0, 0), (motion, motion)).into_owned(), &allowed)
+    };
+    let [forth, back] = [0, 1].map(|order: usize| on_allowed(&found[order]));
+    let is_one = (&forth - &back).amax() <= SAME * forth.amax().max(1.0);
     Ok((if is_one { found.swap_remove(0) } else { linear.saltation() }, is_one))
+}
+
+/// The event of a contact that changes its state so. A contact in step with another one has it too, although the law may
+/// give it the new state without.
+fn implied(before: ContactState, after: ContactState) -> Option<Event> {
+    match (before, after) {
+        (a, b) if a == b => None,
+        (ContactState::Detached, _) => Some(Event::Touch),
+        (_, ContactState::Detached) => Some(Event::Lift),
+        (ContactState::Stick, slip) => Some(Event::Slip(slip)),
+        _ => Some(Event::Stop),
+    }
 }
 
 /// The product of the saltation matrices of events that follow each other in this order, each of which changes the state
@@ -137,7 +169,7 @@ fn one_by_one(
             rate,
             rate_after,
             row,
-            value: 0.0,
+            times: 0,
             slope,
             reset,
         };

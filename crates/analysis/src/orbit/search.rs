@@ -211,7 +211,14 @@ fn nearest_return(
 }
 
 /// The orbit of a chain that is solved and confirmed.
-fn orbit(chain: &Chain, flow: &mut Flow, [defect, closure]: [f64; 2]) -> Result<Orbit, NoOrbit> {
+///
+/// # Errors
+/// Returns why its multipliers do not exist.
+pub(super) fn orbit(
+    chain: &Chain,
+    flow: &mut Flow,
+    [defect, closure]: [f64; 2],
+) -> Result<Orbit, NoOrbit> {
     let found = multipliers(chain, flow).map_err(|unsolved| match unsolved {
         Unsolved::Failed(failure) => NoOrbit::Failed(failure),
         _ => NoOrbit::Overheld,

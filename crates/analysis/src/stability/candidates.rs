@@ -128,10 +128,7 @@ pub fn bistability(
         let steps = ((to - from) / STEP).ceil().max(FEWEST_STEPS);
         let found =
             locus(&|mu| Ok(at(mu)), &uniform_state, &spread([from, to], steps), &|_, _| {})?;
-        let mut growing: Vec<[f64; 2]> =
-            (0..found.branches.len()).flat_map(|mode| growing_ranges(&found, mode)).collect();
-        growing.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        stable.extend(gaps(&growing, from, to));
+        stable.extend(stable_ranges(&found));
         uniform.extend(found.crossings);
     }
     // Two ranges may touch but for rounding.
@@ -222,7 +219,7 @@ fn possible_range(scene: &Scene, [first, last]: [f64; 2]) -> Result<[f64; 2], Er
 }
 
 /// Values from one to another in this many steps.
-fn spread([first, last]: [f64; 2], steps: f64) -> Vec<f64> {
+pub(crate) fn spread([first, last]: [f64; 2], steps: f64) -> Vec<f64> {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let count = steps as u32;
     let at =
@@ -252,6 +249,14 @@ pub fn equilibrium_ranges(
     }
     ranges.extend(start.map(|start| [start, values[values.len() - 1]]));
     ranges
+}
+
+/// The ranges of a locus in which no mode grows.
+pub(crate) fn stable_ranges(locus: &Locus) -> Vec<[f64; 2]> {
+    let mut growing: Vec<[f64; 2]> =
+        (0..locus.branches.len()).flat_map(|mode| growing_ranges(locus, mode)).collect();
+    growing.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    gaps(&growing, locus.values[0], locus.values[locus.values.len() - 1])
 }
 
 /// The ranges of the parameter in which a mode grows.

@@ -16,6 +16,7 @@
 //! | `continuation` | endings over µ, upwards and downwards; jumps |
 //! | `confirm` | pushes that may lead to the contact state of a candidate |
 //! | `orbit` | one periodic motion, solved for itself |
+//! | `branches` | branches of periodic motions over a parameter |
 //! | `push` | a small push out of an equilibrium |
 //! | `limit_cycle` | endings of a scene over the values of a parameter, and thresholds of contact states |
 //! | `portrait` | phase portraits of a settled motion |
@@ -34,6 +35,7 @@ pub mod basin;
 mod basis;
 mod beat;
 mod blocks;
+mod branches;
 pub mod confirm;
 mod continuation;
 mod difference;
@@ -60,6 +62,7 @@ mod windows;
 mod work;
 
 pub use attractor::{attractors, is_same};
+pub use branches::{BranchQuestion, Branches, RestBranch, RestCrossing, branches};
 pub use continuation::{
     Bistable, Continuation, Jump, Plan, Point, RestAndMotion, SweepDirection, ThirdMotion,
     continuation,

@@ -1,17 +1,16 @@
 //! One periodic motion of a scene, from a run, from the boundary between two motions, or from a known orbit.
 
+use super::initial::starting_from;
 use super::long_term::{Kind, LongTermMotion};
 use super::observation::ObservationSettings;
 use super::perturbation::{Direction, perturbation};
 use super::settling::run_to_steady_state;
 use super::{Journal, Push, Watch, drive};
-use crate::orbit::{Flow, NoOrbit, Orbit, Start, search};
+use crate::orbit::{Chain, Flow, NoOrbit, Orbit, Start, search};
 use amontons::Error;
 use amontons::integrator::Motion;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
-
-use super::initial::starting_from;
 
 /// The motion from which an orbit is looked for.
 #[derive(Clone, Debug)]
@@ -36,7 +35,7 @@ pub struct FoundOrbit {
     pub boundary: Option<[f64; 2]>,
 }
 
-/// Parts of the work before the search itself.
+/// The part of the work before the search itself.
 const SETTLED: f64 = 0.9;
 /// Windows of a run from a boundary in which the nearest return is looked for.
 const WINDOWS_NEAR: f64 = 1.0;
@@ -52,81 +51,108 @@ pub fn orbit(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<FoundOrbit>, Error> {
-    let (mut ending, mut boundary) = (None, None);
-    let (mut simulation, start) = match from {
-        From::Run => {
-            let mut simulation = Simulation::new(scene.clone(), 0.0)?;
-            if let Some(push) = Push::of_resting(scene) {
-                push.give(&mut simulation);
-            }
-            let Some(found) =
-                run_to_steady_state(&mut simulation, observation, &|| watch.is_over())?
-            else {
-                return Ok(None);
-            };
-            let period = period_of(&found).ok_or_else(|| no_period(scene, &found))?;
-            ending = Some(found);
-            // An orbit under a drive begins where the drive does.
-            if let Some(drive) = drive::period(&simulation) {
-                simulation.advance_to((simulation.time() / drive).ceil() * drive)?;
-            }
-            let start = Start {
-                motion: simulation.motion().clone(),
-                period: Some(period),
-                longest: period,
-            };
-            (simulation, start)
-        }
+    let part = |done: f64| (watch.progress)(SETTLED * done);
+    let inner = Watch { progress: &part, ..watch };
+    let found = solved(scene, observation, from, journal, inner)?;
+    Ok(found.map(|(found, _)| found))
+}
+
+/// Finds one periodic motion, and its chain of segments.
+pub(super) fn solved(
+    scene: &Scene,
+    observation: &ObservationSettings,
+    from: &From,
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Result<Option<(FoundOrbit, Chain)>, Error> {
+    let begun = match from {
+        From::Run => Begun::by_run(scene, observation, watch)?,
         From::Boundary(direction) => {
-            let part = |done: f64| (watch.progress)(SETTLED * done);
-            let inner = Watch { progress: &part, ..watch };
-            let Some(found) = perturbation(scene, direction, observation, journal, inner)? else {
-                return Ok(None);
-            };
-            let threshold = found.thresholds.first().ok_or_else(|| {
-                Error::argument(format!(
-                    "all motions from {} = {:?} to {:?} end alike, so there is no boundary between them; give a wider \
-                     range",
-                    direction.name,
-                    direction.amplitudes.first().unwrap_or(&0.0),
-                    direction.amplitudes.last().unwrap_or(&0.0)
-                ))
-            })?;
-            let [low, high] = threshold.between;
-            boundary = Some(threshold.between);
-            let value = f64::midpoint(low, high);
-            let simulation =
-                Simulation::new(starting_from(scene, &[(&direction.name, value)])?, 0.0)?;
-            let start = Start {
-                motion: simulation.motion().clone(),
-                period: drive::period(&simulation),
-                longest: WINDOWS_NEAR * observation.window,
-            };
-            (simulation, start)
+            Begun::at_boundary(scene, observation, direction, journal, watch)?
         }
-        From::Orbit(known) => {
-            let simulation = Simulation::new(scene.clone(), 0.0)?;
-            let motion = Motion::new(
-                known.displacement.clone(),
-                known.velocity.clone(),
-                known.states.clone(),
-            );
-            let period = match drive::period(&simulation) {
-                // An orbit may take several periods of the drive, whose frequency may have changed.
-                Some(drive) => drive * (known.period / drive).round().max(1.0),
-                None => known.period,
-            };
-            let start = Start { motion, period: Some(period), longest: period };
-            (simulation, start)
-        }
+        From::Orbit(known) => Some(Begun::at_orbit(scene, known)?),
     };
-    if watch.ends_after(SETTLED) {
-        return Ok(None);
-    }
+    let Some(Begun { mut simulation, start, ending, boundary }) = begun else { return Ok(None) };
     let mut flow = Flow::of(&mut simulation)?;
     let found = search(&mut flow, &start, &|| !watch.is_over());
     let found = found.map_err(|why| Error::scene(refusal(scene, &why)))?;
-    Ok(found.map(|(orbit, _)| FoundOrbit { orbit, ending, boundary }))
+    Ok(found.map(|(orbit, chain)| (FoundOrbit { orbit, ending, boundary }, chain)))
+}
+
+/// A simulation that is near a periodic motion.
+struct Begun {
+    simulation: Simulation,
+    start: Start,
+    ending: Option<LongTermMotion>,
+    boundary: Option<[f64; 2]>,
+}
+
+impl Begun {
+    /// What the scene settles into. `None` if the watch ended it.
+    fn by_run(
+        scene: &Scene,
+        observation: &ObservationSettings,
+        watch: Watch<'_>,
+    ) -> Result<Option<Self>, Error> {
+        let mut simulation = Simulation::new(scene.clone(), 0.0)?;
+        if let Some(push) = Push::of_resting(scene) {
+            push.give(&mut simulation);
+        }
+        let settled = run_to_steady_state(&mut simulation, observation, &|| watch.is_over())?;
+        let Some(ending) = settled else { return Ok(None) };
+        let period = period_of(&ending).ok_or_else(|| no_period(scene, &ending))?;
+        // An orbit under a drive begins where the drive does.
+        if let Some(drive) = drive::period(&simulation) {
+            simulation.advance_to((simulation.time() / drive).ceil() * drive)?;
+        }
+        let motion = simulation.motion().clone();
+        let start = Start { motion, period: Some(period), longest: period };
+        Ok(Some(Self { simulation, start, ending: Some(ending), boundary: None }))
+    }
+
+    /// The start from the boundary between two motions.
+    fn at_boundary(
+        scene: &Scene,
+        observation: &ObservationSettings,
+        direction: &Direction,
+        journal: &Journal,
+        watch: Watch<'_>,
+    ) -> Result<Option<Self>, Error> {
+        let Some(found) = perturbation(scene, direction, observation, journal, watch)? else {
+            return Ok(None);
+        };
+        let threshold = found.thresholds.first().ok_or_else(|| {
+            Error::argument(format!(
+                "all motions from {} = {:?} to {:?} end alike, so there is no boundary between them; give a wider range",
+                direction.name,
+                direction.amplitudes.first().unwrap_or(&0.0),
+                direction.amplitudes.last().unwrap_or(&0.0)
+            ))
+        })?;
+        let [low, high] = threshold.between;
+        let value = f64::midpoint(low, high);
+        let simulation = Simulation::new(starting_from(scene, &[(&direction.name, value)])?, 0.0)?;
+        let start = Start {
+            motion: simulation.motion().clone(),
+            period: drive::period(&simulation),
+            longest: WINDOWS_NEAR * observation.window,
+        };
+        Ok(Some(Self { simulation, start, ending: None, boundary: Some(threshold.between) }))
+    }
+
+    /// The beginning of a known orbit.
+    fn at_orbit(scene: &Scene, known: &Orbit) -> Result<Self, Error> {
+        let simulation = Simulation::new(scene.clone(), 0.0)?;
+        let Orbit { displacement, velocity, states, period, .. } = known.clone();
+        let motion = Motion::new(displacement, velocity, states);
+        let period = match drive::period(&simulation) {
+            // An orbit may take several periods of the drive, whose frequency may have changed.
+            Some(drive) => drive * (period / drive).round().max(1.0),
+            None => period,
+        };
+        let start = Start { motion, period: Some(period), longest: period };
+        Ok(Self { simulation, start, ending: None, boundary: None })
+    }
 }
 
 /// The period of a motion that comes back.

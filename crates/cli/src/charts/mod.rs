@@ -1,6 +1,7 @@
 //! Pictures of the results of studies. `amontons study` and the example `paper` draw them.
 
 pub mod attractor;
+pub mod branches;
 pub mod continuation;
 mod kinds;
 pub mod limit_cycle;

@@ -23,6 +23,11 @@ pub enum Study {
     /// The motion is solved for by Newton's method, not waited for. The study writes results.csv (the events of one
     /// period), study.json, and orbit.json, from which another study can start.
     Orbit(super::orbit::OrbitArguments),
+    /// Periodic motions over a parameter, stable and unstable: folds, bifurcations, changes of the sequence of events
+    ///
+    /// Each branch begins with a periodic motion and is followed to both sides by pseudo-arclength. The study writes
+    /// results.csv (the points), specials.csv (the special points), study.json and a picture.
+    Branches(super::branches::BranchesArguments),
     /// Growth and decay of the motion in one run, band by band, beside eigenvalues; spectrogram and contact states
     ///
     /// The study writes history.csv (the output and the contact states), results.csv (each growth and decay) and

@@ -3,6 +3,7 @@
 pub mod arguments;
 mod attractor;
 mod basin;
+mod branches;
 mod continuation;
 mod folder;
 mod limit_cycle;
@@ -35,6 +36,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Basin(arguments) => basin::run(arguments),
         Study::Perturbation(arguments) => perturbation::run(arguments),
         Study::Orbit(arguments) => orbit::run(arguments),
+        Study::Branches(arguments) => branches::run(arguments),
     }
 }
 

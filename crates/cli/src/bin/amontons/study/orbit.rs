@@ -19,7 +19,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Accuracy of a boundary: a run from it stays near the orbit until this part has grown.
-const BOUNDARY: f64 = 1e-12;
+pub const BOUNDARY: f64 = 1e-12;
 /// File of the orbit, from which other commands start.
 const FILE: &str = "orbit.json";
 
@@ -38,7 +38,7 @@ pub struct OrbitArguments {
 }
 
 /// Parses a name with two values.
-fn named_ends(text: &str) -> Result<(String, [f64; 2]), String> {
+pub fn named_ends(text: &str) -> Result<(String, [f64; 2]), String> {
     range::named(text, |values| {
         let (a, b) = values.split_once(':').ok_or("must be NAME=A:B, with two values")?;
         Ok([range::number(a)?, range::number(b)?])
@@ -79,7 +79,7 @@ pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
 }
 
 /// Reads an orbit that belongs to the scene.
-fn read(path: &Path, scene: &Scene) -> Result<Orbit, amontons::Error> {
+pub fn read(path: &Path, scene: &Scene) -> Result<Orbit, amontons::Error> {
     let text =
         std::fs::read_to_string(path).map_err(|error| amontons::Error::file(path, &error))?;
     let wrong = |why: String| amontons::Error::file(path, &std::io::Error::other(why));
@@ -133,7 +133,7 @@ fn rows(scene: &Scene, orbit: &Orbit) -> Vec<Vec<[String; 5]>> {
 }
 
 /// What happens at an event.
-fn words(event: Event) -> &'static str {
+pub fn words(event: Event) -> &'static str {
     match event {
         Event::Touch => "touches",
         Event::Lift => "lifts off",

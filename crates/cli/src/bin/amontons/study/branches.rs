@@ -1,0 +1,234 @@
+//! `amontons study branches`.
+
+use super::arguments::{ObservationOptions, StudyArguments};
+use super::folder::{Folder, quoted};
+use super::orbit::{BOUNDARY, named_ends, read, words};
+use super::{heading, interrupted, prepared, watched_unevenly};
+use amontons::scene::Scene;
+use amontons_analysis::orbit::{Branch, BranchEnd, BranchPoint, SpecialKind, SpecialPoint};
+use amontons_analysis::study::perturbation::Direction;
+use amontons_analysis::study::{
+    BranchQuestion, Branches, From, RestBranch, branches, initial_value,
+};
+use amontons_analysis::sweep::range;
+use amontons_cli::charts::branches::{chart, kind};
+use amontons_cli::say;
+use amontons_export::documentation::counted;
+use clap::Args;
+use serde_json::json;
+use std::error::Error;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct BranchesArguments {
+    #[command(flatten)]
+    common: StudyArguments,
+    #[command(flatten)]
+    options: ObservationOptions,
+    /// Parameter, input or initial value, with its range
+    #[arg(long, value_name = "NAME=A:B", value_parser = parameter, allow_hyphen_values = true)]
+    parameter: (String, [f64; 2]),
+    /// Begin a branch with an orbit that `amontons study orbit` has found; may be repeated. Without any start a branch
+    /// begins with what the scene settles into
+    #[arg(long, value_name = "ORBIT.JSON")]
+    from: Vec<PathBuf>,
+    /// Begin a branch at the boundary between the motions that two values of an initial value end in; may be repeated
+    #[arg(long, value_name = "NAME=A:B", value_parser = named_ends)]
+    between: Vec<(String, [f64; 2])>,
+    /// Begin a branch with what the scene settles into, beside those of --from and --between
+    #[arg(long)]
+    run: bool,
+    /// Most points of a branch to either side of its start
+    #[arg(long, value_name = "N", default_value_t = 500)]
+    points: usize,
+}
+
+/// Parses a name with a range.
+fn parameter(text: &str) -> Result<(String, [f64; 2]), String> {
+    range::named(text, range::ends)
+}
+
+pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
+    let BranchesArguments { common, options, parameter: (name, range), .. } = arguments;
+    let (scene, source, observation) = prepared(common, options)?;
+    let of = scene.dof_names().iter().position(|dof| *dof == observation.of);
+    let dof = of.ok_or_else(|| {
+        amontons::Error::argument(format!(
+            "{} is no displacement; the amplitude of a branch is that of a displacement, such as {}",
+            observation.of,
+            scene.dof_names()[0]
+        ))
+    })?;
+    let mut starts = Vec::new();
+    for path in &arguments.from {
+        starts.push((path.display().to_string(), From::Orbit(Box::new(read(path, &scene)?))));
+    }
+    for (name, [a, b]) in &arguments.between {
+        let name = initial_value(&scene, name)?;
+        let label = format!("the boundary of {name} from {a:?} to {b:?}");
+        let amplitudes = vec![a.min(*b), a.max(*b)];
+        starts.push((label, From::Boundary(Direction { name, amplitudes, resolution: BOUNDARY })));
+    }
+    if starts.is_empty() || arguments.run {
+        starts.insert(0, ("a run".to_owned(), From::Run));
+    }
+    let labels: Vec<String> = starts.iter().map(|(label, _)| label.clone()).collect();
+    let settings = json!({
+        "look": observation, "parameter": name, "range": range, "points": arguments.points,
+    });
+    let folder = Folder::open(common, "branches", (&scene, &source), settings)?;
+    let question =
+        BranchQuestion { name: name.clone(), range: *range, starts, most_points: arguments.points };
+    let found = watched_unevenly(|watch| {
+        branches(&scene, &observation, &question, folder.journal(), watch)
+    })?;
+    let Some(found) = found else { return Err(interrupted(&folder)) };
+    write(&folder, name, dof, &found)?;
+    folder.write_json(json!({ "starts": labels, "found": found }))?;
+    folder.draw("branches", &chart(&scene, name, *range, dof, &found))?;
+    say!("{}", heading(&[(&scene, &observation)]));
+    print(&scene, (name, dof), &labels, &found);
+    say!(
+        "\n{} has results.csv, specials.csv, study.json and a picture",
+        folder.path().display()
+    );
+    Ok(())
+}
+
+fn write(
+    folder: &Folder,
+    name: &str,
+    dof: usize,
+    found: &Branches,
+) -> Result<(), Box<dyn Error>> {
+    let known = || {
+        let branches = found.branches.iter().enumerate();
+        branches.filter_map(|(place, branch)| Some((place + 1, branch.as_ref().ok()?)))
+    };
+    let points = known().flat_map(|(number, branch)| {
+        branch.points.iter().map(move |BranchPoint { parameter, orbit }| {
+            [
+                number.to_string(),
+                format!("{parameter:?}"),
+                format!("{:?}", orbit.period),
+                format!("{:?}", orbit.extents[dof]),
+                stability(orbit.is_stable()).to_owned(),
+                format!("{:?}", orbit.largest_multiplier()),
+                orbit.events.len().to_string(),
+                format!("{:?}", orbit.defect),
+            ]
+        })
+    });
+    let head =
+        ["branch", name, "period", "amplitude", "stable", "multiplier", "events", "defect"];
+    folder.write_csv(&head, points)?;
+    let specials = known().flat_map(|(number, branch)| {
+        branch.specials.iter().map(move |special| {
+            [
+                number.to_string(),
+                format!("{:?}", special.parameter),
+                quoted(kind(&special.kind)),
+                format!("{:?}", special.orbit.period),
+                format!("{:?}", special.orbit.extents[dof]),
+            ]
+        })
+    });
+    folder.write_table("specials", &["branch", name, "kind", "period", "amplitude"], specials)
+}
+
+fn stability(is_stable: Option<bool>) -> &'static str {
+    match is_stable {
+        Some(true) => "yes",
+        Some(false) => "no",
+        None => "unknown",
+    }
+}
+
+fn print(scene: &Scene, (name, dof): (&str, usize), labels: &[String], found: &Branches) {
+    say!("{}: periodic motions over {name}", scene.name);
+    for (place, (label, branch)) in labels.iter().zip(&found.branches).enumerate() {
+        match branch {
+            Ok(branch) => print_branch(scene, (place + 1, label), dof, branch),
+            Err(why) => say!("\nbranch {}, from {label}: none: {why}", place + 1),
+        }
+    }
+    match &found.rest {
+        Ok(rest) => print_rest(scene, name, dof, rest),
+        Err(why) => say!("\nuniform sliding: unknown: {why}"),
+    }
+}
+
+fn print_branch(scene: &Scene, (number, label): (usize, &str), dof: usize, branch: &Branch) {
+    let points = counted(branch.points.len(), "point", "points");
+    say!("\nbranch {number}, from {label}: {points}");
+    let place = |point: &BranchPoint| {
+        format!("{:.12}, amplitude {:.6e} m", point.parameter, point.orbit.extents[dof])
+    };
+    let [first, last] = [0, branch.points.len() - 1].map(|i| &branch.points[i]);
+    say!("  begins at {}: {}", place(first), end(scene, &branch.ends[0]));
+    for special in &branch.specials {
+        let SpecialPoint { parameter, kind: of, orbit, .. } = special;
+        let by = match of {
+            SpecialKind::Sequence { contact, event }
+            | SpecialKind::SequenceFold { contact, event } => {
+                format!(": {} {}", scene.contact_name(*contact), words(*event))
+            }
+            _ => String::new(),
+        };
+        say!("  {parameter:.12}  {}{by}, amplitude {:.6e} m", kind(of), orbit.extents[dof]);
+    }
+    say!("  ends at {}: {}", place(last), end(scene, &branch.ends[1]));
+    for piece in branch.points.chunk_by(|a, b| a.orbit.is_stable() == b.orbit.is_stable()) {
+        let [from, to] = [0, piece.len() - 1].map(|i| piece[i].parameter);
+        let points = counted(piece.len(), "point", "points");
+        let stable = match piece[0].orbit.is_stable() {
+            Some(true) => "stable",
+            Some(false) => "unstable",
+            None => "stability unknown",
+        };
+        say!("  {stable} from {from:.9} to {to:.9} ({points})");
+    }
+}
+
+fn end(scene: &Scene, end: &BranchEnd) -> String {
+    match end {
+        BranchEnd::Range => "the end of the range".to_owned(),
+        BranchEnd::Closed => "the branch is closed".to_owned(),
+        BranchEnd::Grazing(Some((contact, event))) => format!(
+            "there {} {} tangentially, and no motion is near beyond",
+            scene.contact_name(*contact),
+            words(*event)
+        ),
+        BranchEnd::Grazing(None) => "no motion is near beyond".to_owned(),
+        BranchEnd::Linear => {
+            "there all contacts begin to slide all the time: the largest of the neutral cycles".to_owned()
+        }
+        BranchEnd::Points => "as many points as --points allows".to_owned(),
+        BranchEnd::NotConverged => "no next point was found".to_owned(),
+    }
+}
+
+fn print_rest(scene: &Scene, name: &str, dof: usize, rest: &RestBranch) {
+    say!("\nuniform sliding:");
+    if rest.stable.is_empty() {
+        say!("  unstable in the whole range");
+    }
+    for [from, to] in &rest.stable {
+        say!("  no mode grows from {name} = {from:.9} to {to:.9}");
+    }
+    for crossing in &rest.crossings {
+        let begins = if crossing.becomes_unstable { "begins" } else { "ceases" };
+        let neutral = match crossing.neutral_up_to.as_ref().map(|all| all[dof]) {
+            Some(top) => format!(
+                "; neutral cycles of every size up to {top:.6e} m of {}",
+                scene.dof_names()[dof]
+            ),
+            None => String::new(),
+        };
+        say!(
+            "  {:.12}  a mode {begins} to grow at {:.3} Hz{neutral}",
+            crossing.parameter,
+            crossing.frequency_hz
+        );
+    }
+}
