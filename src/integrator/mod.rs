@@ -10,7 +10,7 @@ mod ledger;
 mod method;
 
 pub(crate) use event_driven::full_places;
-pub use event_driven::{Event, EventDriven, EventRecord, EventRecorder, Impulses};
+pub use event_driven::{Event, EventDriven, EventRecord, EventRecorder};
 pub use forward_increment::{RingForwardIncrement, dense, sparse};
 pub use ledger::{Energy, Ledger};
 pub use method::Method;

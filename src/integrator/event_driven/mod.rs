@@ -142,7 +142,7 @@ use crate::model::{Contact, Damping, Direction, LumpedModel};
 use impact::frictionless;
 pub(super) use ledger::Writer;
 use ledger::{MotionObserver, Segment};
-pub use record::{EventRecord, EventRecorder, Impulses};
+pub use record::{EventRecord, EventRecorder};
 use reduced::MOST_PLACES;
 use rounding::{DIFFERENCE, NOISE, pulls, shortest};
 use series::{ORDER, Polynomial, Series, SeriesStart};

@@ -21,18 +21,10 @@ pub struct EventRecord {
     pub before: Motion,
     /// See `before`.
     pub after: Motion,
-    /// The impact of the contacts that touched; `None` if none did.
-    pub impact: Option<Impulses>,
-}
-
-/// How contacts took part in an impact.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Impulses {
-    /// `Stick` for each contact whose slip the impact stopped, a sliding state for each that slips afterwards,
-    /// `Detached` for those without an impulse.
-    pub states: Vec<ContactState>,
-    /// Λ_T / Λ_N of each contact that slips, 0 of others.
-    pub ratios: Vec<f64>,
+    /// How contacts took part in the impact of those that touched: `Stick` for each whose slip the impact stopped, a
+    /// sliding state for each that slips afterwards, with Λ_T = ±µ_k Λ_N, and `Detached` for those without an impulse.
+    /// `None` if none touched.
+    pub impact: Option<Vec<ContactState>>,
 }
 
 /// Observer that records the events of a motion.
@@ -40,7 +32,7 @@ pub struct Impulses {
 pub struct EventRecorder {
     time: f64,
     records: Vec<EventRecord>,
-    impact: Option<Impulses>,
+    impact: Option<Vec<ContactState>>,
 }
 
 impl EventDriven<EventRecorder> {
@@ -80,20 +72,10 @@ impl MotionObserver for EventRecorder {
     fn is_struck(&mut self, impact: Impact<'_>, _: &mut Motion) {
         let problem = &impact.dynamics.problem;
         let carries = |i: usize| problem.forces[i][0] > NOISE * problem.forces[i][1].abs();
-        let states = problem
-            .states
-            .iter()
-            .enumerate()
-            .map(|(i, &state)| if carries(i) { state } else { ContactState::Detached });
-        let ratio = |(i, state): (usize, &ContactState)| match state {
-            ContactState::Slide | ContactState::ReverseSlide => {
-                problem.forces[i][1] / problem.forces[i][0]
-            }
-            ContactState::Stick | ContactState::Detached => 0.0,
-        };
-        let states: Vec<ContactState> = states.collect();
-        let ratios = states.iter().enumerate().map(ratio).collect();
-        self.impact = Some(Impulses { states, ratios });
+        let states = problem.states.iter().enumerate();
+        let states =
+            states.map(|(i, &state)| if carries(i) { state } else { ContactState::Detached });
+        self.impact = Some(states.collect());
     }
 
     fn sees_hops_end(&mut self, _: &mut Motion, _: f64) {}

@@ -41,6 +41,8 @@ const STRAIGHT: f64 = 0.9;
 const KNOWN: f64 = 1e-12;
 /// Most bisections.
 const MOST_BISECTIONS: usize = 60;
+/// A multiplier at a fold is this near to 1.
+const NEAR_ONE: f64 = 1e-2;
 /// Distances behind a change of the sequence of events at which its continuation is looked for, in parts of the range.
 const BEYOND: [f64; 5] = [1e-8, 1e-7, 1e-6, 1e-5, 1e-4];
 
@@ -625,10 +627,14 @@ impl Continued<'_> {
             if let Some(node) = self.bisect(from, distance, &is_before)? {
                 let off = |value: &[f64; 2]| (libm::hypot(value[0], value[1]) - 1.0).abs();
                 let values = node.orbit.multipliers.iter();
-                let kind = match values.min_by(|a, b| off(a).total_cmp(&off(b))) {
+                let nearest = values.min_by(|a, b| off(a).total_cmp(&off(b)));
+                // Beside the one along the motion, a multiplier 1 is a double one, which rounding makes a pair.
+                if turns && nearest.is_some_and(|[re, im]| libm::hypot(re - 1.0, *im) < NEAR_ONE) {
+                    return Ok(());
+                }
+                let kind = match nearest {
                     Some([_, im]) if *im != 0.0 => SpecialKind::NeimarkSacker,
                     Some([re, _]) if *re < 0.0 => SpecialKind::PeriodDoubling,
-                    _ if turns => return Ok(()),
                     _ => SpecialKind::BranchPoint,
                 };
                 specials.push(special(&node, kind, place));

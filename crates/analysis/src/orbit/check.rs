@@ -8,6 +8,9 @@ use nalgebra::DVector;
 /// The integrator's events may be this far from the chain's, in parts of the period.
 const NEAR: f64 = 1e-9;
 
+/// A chain whose segments end farther from each other by the integrator, in parts of the motion's size, is no motion.
+const SAME: f64 = 1e-8;
+
 /// How the integrator's motion differs from a chain.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
@@ -30,7 +33,8 @@ pub fn compare(chain: &Chain, flow: &mut Flow) -> Result<Difference, StepFailure
     for (k, segment) in chain.segments.iter().enumerate() {
         let next = &chain.segments[(k + 1) % count];
         match end_of(segment, next, chain, flow, time, near)? {
-            Ok(off) => defect = defect.max(off),
+            Ok(off) if off <= SAME => defect = defect.max(off),
+            Ok(_) => return Ok(Difference::Elsewhere { segment: k, found: None }),
             Err(found) => return Ok(Difference::Elsewhere { segment: k, found }),
         }
         time += segment.duration;

@@ -10,7 +10,7 @@ use amontons::Error;
 use amontons::contact::{ContactState, Friction};
 use amontons::integrator::{
     AppliedLoad, ConstrainedResponse, Event, EventDriven, EventRecord, EventRecorder, HeldStates,
-    Impulses, Inputs, Integrator, Motion, StepFailure, Wave,
+    Inputs, Integrator, Motion, StepFailure, Wave,
 };
 use amontons::model::{Direction, LumpedModel, SparseMatrix};
 use amontons::numerics::max_norm;
@@ -57,8 +57,8 @@ pub struct Field {
 pub struct Stage {
     /// The contacts with an event, from 0.
     pub events: Vec<(usize, Event)>,
-    /// The impact of those that touched.
-    pub impact: Option<Impulses>,
+    /// How contacts took part in the impact of those that touched ([`EventRecord::impact`]).
+    pub impact: Option<Vec<ContactState>>,
     /// The states that follow.
     pub states: Vec<ContactState>,
 }
@@ -291,13 +291,17 @@ impl Flow {
         Ok(field)
     }
 
+    /// T/N of each contact that slides, 0 of others.
+    fn slopes(&self, states: &[ContactState]) -> Vec<f64> {
+        let slope = |(state, friction): (&ContactState, &Friction)| {
+            state.sliding_direction().unwrap_or(0.0) * friction.kinetic
+        };
+        states.iter().zip(&self.friction).map(slope).collect()
+    }
+
     fn make_field(&mut self, states: &[ContactState]) -> Result<Field, StepFailure> {
         let (n, size, contacts) = (self.dofs(), self.size(), self.surface.len());
-        let slopes: Vec<f64> = states
-            .iter()
-            .zip(&self.friction)
-            .map(|(state, friction)| state.sliding_direction().unwrap_or(0.0) * friction.kinetic)
-            .collect();
+        let slopes = self.slopes(states);
         let mut field = Field {
             matrix: DMatrix::zeros(size, size),
             forces: vec![[DVector::zeros(size), DVector::zeros(size)]; contacts],
@@ -486,7 +490,7 @@ impl Flow {
             // Contacts that slip are held along their normals only.
             map = self.velocity_map(&kept, &nothing)?;
         }
-        if let Some(Impulses { states, ratios }) = &stage.impact {
+        if let Some(states) = &stage.impact {
             let closed: Vec<ContactState> = states
                 .iter()
                 .zip(before)
@@ -496,7 +500,8 @@ impl Flow {
                 })
                 .collect();
             let placed = self.position_map(&closed, &nothing)?;
-            let struck = self.velocity_map(states, ratios)?;
+            let slopes = self.slopes(states);
+            let struck = self.velocity_map(states, &slopes)?;
             map = super::matrix::product(&struck, &super::matrix::product(&placed, &map));
         }
         self.hold_exactly(&stage.states, &mut map);

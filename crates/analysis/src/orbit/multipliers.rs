@@ -151,7 +151,7 @@ fn one_by_one(
         then[contact] = after[contact];
         let impact = first.and_then(|stage| stage.impact.clone()).map(|mut impact| {
             // The other contacts have impacts of their own.
-            for (i, state) in impact.states.iter_mut().enumerate() {
+            for (i, state) in impact.iter_mut().enumerate() {
                 if i != contact && order.contains(&(i, Event::Touch)) {
                     *state = ContactState::Detached;
                 }
