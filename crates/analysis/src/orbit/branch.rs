@@ -10,11 +10,11 @@
 //! none near, it ends there. Points at which the number of multipliers outside the unit circle changes are bisected
 //! too.
 
+use super::Orbit;
 use super::chain::{Chain, Change, Condensed, Rests, Unsolved};
 use super::check::{Difference, compare};
 use super::flow::Flow;
 use super::search::{NoOrbit, Start, orbit, search};
-use super::Orbit;
 use amontons::Error;
 use amontons::integrator::Event;
 use nalgebra::{DMatrix, DVector};
@@ -41,6 +41,9 @@ const STRAIGHT: f64 = 0.9;
 const KNOWN: f64 = 1e-12;
 /// Most bisections.
 const MOST_BISECTIONS: usize = 60;
+/// A motion is at the end of its branch the largest of neutral cycles if contacts leave uniform sliding for less than this
+/// part of the period.
+const VANISHED: f64 = 1e-2;
 /// A multiplier at a fold is this near to 1.
 const NEAR_ONE: f64 = 1e-2;
 /// Distances behind a change of the sequence of events at which its continuation is looked for, in parts of the range.
@@ -67,20 +70,10 @@ pub enum SpecialKind {
     PeriodDoubling,
     /// A pair of multipliers has magnitude 1: beyond it the motion is quasi-periodic, and not followed.
     NeimarkSacker,
-    /// The sequence of events changes: this event of a contact (from 0) appears or vanishes.
-    Sequence {
-        /// The contact.
-        contact: usize,
-        /// The event.
-        event: Event,
-    },
-    /// The sequence of events changes and the branch turns back at once, without a multiplier 1.
-    SequenceFold {
-        /// The contact.
-        contact: usize,
-        /// The event.
-        event: Event,
-    },
+    /// The sequence of events changes: this event of a contact (from 0) appears or vanishes, where it is known.
+    Sequence(Option<(usize, Event)>),
+    /// The sequence of events changes, and the branch turns back at once without a multiplier 1.
+    SequenceFold(Option<(usize, Event)>),
 }
 
 /// A special point of a branch.
@@ -328,9 +321,6 @@ impl Continued<'_> {
         let mut last = f64::INFINITY;
         let mut by_parameter = None;
         for _ in 0..MOST_CORRECTIONS {
-            if let Some(segment) = chain.segments.iter().position(|s| s.duration <= 0.0) {
-                return Err(Missed::Unsolved(Some(segment)));
-            }
             let linear = chain.linear(&mut flow)?;
             let rests = chain.rests(&mut flow)?;
             if by_parameter.is_none() {
@@ -342,8 +332,8 @@ impl Continued<'_> {
             let gone = DVector::from_fn(motion, |i, _| {
                 (chain.segments[0].start[i] - anchor[i]) / scales[usize::from(i >= dofs)]
             });
-            let gone = from.tangent.0.dot(&gone)
-                + from.tangent.1 * (parameter - from.parameter) / width;
+            let gone =
+                from.tangent.0.dot(&gone) + from.tangent.1 * (parameter - from.parameter) / width;
             let mut rest = DVector::zeros(motion + 1);
             rest.rows_mut(0, motion).copy_from(&own);
             rest[motion] = distance - gone;
@@ -355,6 +345,10 @@ impl Continued<'_> {
             chain.apply(&flow, 1.0, &change);
             parameter += solved[motion] * width;
             if size <= FOUND || size <= ROUNDING && size > 0.5 * last {
+                // Durations may be below zero on the way only.
+                if let Some(segment) = chain.segments.iter().position(|s| s.duration <= 0.0) {
+                    return Err(Missed::Unsolved(Some(segment)));
+                }
                 chain.set_times(&self.flow_near(parameter)?);
                 return Ok((chain, parameter));
             }
@@ -471,11 +465,10 @@ impl Continued<'_> {
             }
             match self.beyond(&last)? {
                 Ok((next, turned)) => {
-                    let (contact, event) = event.unwrap_or((0, Event::Part));
                     let kind = if turned {
-                        SpecialKind::SequenceFold { contact, event }
+                        SpecialKind::SequenceFold(event)
                     } else {
-                        SpecialKind::Sequence { contact, event }
+                        SpecialKind::Sequence(event)
                     };
                     points.push(point(&last));
                     specials.push(SpecialPoint {
@@ -490,8 +483,14 @@ impl Continued<'_> {
                 }
                 Err(is_linear) => {
                     points.push(point(&last));
-                    let end =
-                        if is_linear { BranchEnd::Linear } else { BranchEnd::Grazing(event) };
+                    let durations = last.chain.segments.iter().map(|segment| segment.duration);
+                    let rest = last.chain.period() - durations.fold(0.0, f64::max);
+                    let vanishes = rest < VANISHED * last.chain.period();
+                    let end = if is_linear && vanishes {
+                        BranchEnd::Linear
+                    } else {
+                        BranchEnd::Grazing(event)
+                    };
                     return done(points, specials, end);
                 }
             }

@@ -17,7 +17,7 @@
 use super::flow::{Field, Flow, Instant, Stage};
 use super::matrix::{product, times};
 use amontons::contact::ContactState;
-use amontons::integrator::StepFailure;
+use amontons::integrator::{Motion, StepFailure};
 use nalgebra::{DMatrix, DVector};
 use std::rc::Rc;
 
@@ -29,6 +29,9 @@ const SOLVED: f64 = 1e-12;
 const ROUNDING: f64 = 1e-9;
 /// Least part of a correction that is tried.
 const LEAST_PART: f64 = 1.0 / 256.0;
+
+/// States and durations of a motion that repeats itself differ by less, in parts of its size and period.
+const SAME: f64 = 1e-8;
 
 /// A part of a periodic motion in which contacts keep their states.
 #[derive(Clone, Debug)]
@@ -48,7 +51,7 @@ pub struct Segment {
 pub struct Chain {
     /// The segments, in their order.
     pub segments: Vec<Segment>,
-    /// Scales of displacements, m, and of velocities, m/s: the largest ranges over the segments' ends.
+    /// Scales of displacements, m, and of velocities, m/s: the largest ranges over the motion that the chain began with.
     pub scales: [f64; 2],
 }
 
@@ -114,13 +117,16 @@ impl Linear {
 impl Chain {
     /// The chain of a run over one period: from `first` at time `t` (s), through these instants, up to the last of them
     /// or, in a driven motion, to `end` (s after the beginning).
+    ///
+    /// # Errors
+    /// Returns the contact whose forces were not found.
     pub fn of_run(
-        flow: &Flow,
-        first: &amontons::integrator::Motion,
+        flow: &mut Flow,
+        first: &Motion,
         t: f64,
         instants: &[Instant],
         end: Option<f64>,
-    ) -> Self {
+    ) -> Result<Self, StepFailure> {
         let mut segments = Vec::with_capacity(instants.len() + 1);
         let (mut start, mut states) = (flow.state(first, t), first.contacts.clone());
         let mut time = 0.0;
@@ -138,21 +144,42 @@ impl Chain {
             segments.push(Segment { states, start, duration: end - time, stages: Vec::new() });
         }
         let mut chain = Self { segments, scales: [1.0; 2] };
-        chain.set_scales(flow.dofs());
-        chain
+        chain.set_scales(flow)?;
+        Ok(chain)
     }
 
-    fn set_scales(&mut self, dofs: usize) {
-        let range = |places: std::ops::Range<usize>| {
-            let of = |place: usize| {
-                let values = self.segments.iter().map(|segment| segment.start[place]);
-                let [least, most] = amontons::numerics::range(values);
-                // A motion with one segment returns to the state that it begins with.
-                f64::max(most - least, most.abs().max(least.abs()) * 1e-3)
-            };
-            places.map(of).fold(f64::MIN_POSITIVE, f64::max)
+    /// The chain of one period of a motion that repeats itself within the chain; `None` of one that does not.
+    pub(super) fn of_shortest_period(&self, dofs: usize) -> Option<Self> {
+        let count = self.segments.len();
+        let is_repeated = |part: usize| {
+            (0..count).all(|k| {
+                let [a, b] = [k, (k + part) % count].map(|k| &self.segments[k]);
+                a.states == b.states
+                    && (a.duration - b.duration).abs() <= SAME * self.period()
+                    && self.size(dofs, &(&a.start - &b.start)) <= SAME
+            })
         };
-        self.scales = [range(0..dofs), range(dofs..2 * dofs)];
+        let part = (1..count).find(|part| count.is_multiple_of(*part) && is_repeated(*part))?;
+        Some(Self { segments: self.segments[..part].to_vec(), scales: self.scales })
+    }
+
+    /// Sets the scales to the largest ranges of a displacement and of a velocity over the motion.
+    fn set_scales(&mut self, flow: &mut Flow) -> Result<(), StepFailure> {
+        let dofs = flow.dofs();
+        let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; 2 * dofs];
+        for segment in &self.segments {
+            let field = flow.field(&segment.states)?;
+            for (powers, _) in flow.powers(&field, &segment.start, segment.duration) {
+                for (range, value) in ranges.iter_mut().zip(&powers[0]) {
+                    *range = [range[0].min(*value), range[1].max(*value)];
+                }
+            }
+        }
+        let largest = |ranges: &[[f64; 2]]| {
+            ranges.iter().map(|[least, most]| most - least).fold(f64::MIN_POSITIVE, f64::max)
+        };
+        self.scales = [largest(&ranges[..dofs]), largest(&ranges[dofs..])];
+        Ok(())
     }
 
     /// The period, s.
@@ -374,8 +401,7 @@ impl<'a> Condensed<'a> {
             rests.values.iter().zip(linear).map(|(value, linear)| -value / linear.slope).collect()
         };
         let own_misses = misses(rests);
-        let misses_by_parameter =
-            by_parameter.map_or_else(|| vec![0.0; linear.len()], misses);
+        let misses_by_parameter = by_parameter.map_or_else(|| vec![0.0; linear.len()], misses);
         let mut now = CondensedState {
             by: DMatrix::identity(size, motion),
             own: DVector::zeros(size),

@@ -6,10 +6,11 @@ use amontons::integrator::{Event, StepFailure};
 use nalgebra::DVector;
 
 /// The integrator's events may be this far from the chain's, in parts of the period.
-const NEAR: f64 = 1e-9;
+const NEAR: f64 = 1e-8;
 
-/// A chain whose segments end farther from each other by the integrator, in parts of the motion's size, is no motion.
-const SAME: f64 = 1e-8;
+/// A chain whose segments end farther from each other by the integrator, in parts of the motion's size, is no motion. Near a
+/// tangential event rounding alone sets them apart by its inverse rate.
+const SAME: f64 = 1e-6;
 
 /// How the integrator's motion differs from a chain.
 #[derive(Clone, Debug, PartialEq)]

@@ -122,6 +122,11 @@ pub fn search(
         let rest = chain.largest_gap(flow).unwrap_or(f64::INFINITY);
         let grazing = match outcome {
             Ok(_) => {
+                let shorter = chain.of_shortest_period(flow.dofs()).filter(|_| !flow.is_driven());
+                if let Some(shorter) = shorter {
+                    chain = shorter;
+                    let _ = chain.solve(flow);
+                }
                 if let Difference::None { defect, closure } = compare(&chain, flow)? {
                     return Ok(Some((orbit(&chain, flow, [defect, closure])?, chain)));
                 }
@@ -153,7 +158,7 @@ fn closed(flow: &mut Flow, start: &Start) -> Result<Chain, NoOrbit> {
         let (_, mut instants) =
             flow.run(motion, 0.0, period, |records| records.len() <= MOST_EVENTS)?;
         instants.retain(|instant| instant.time > 0.0 || instant.is_change());
-        return Ok(Chain::of_run(flow, motion, 0.0, &instants, Some(period)));
+        return Ok(Chain::of_run(flow, motion, 0.0, &instants, Some(period))?);
     }
     let duration = period.map_or(*longest, |period| (1.0 + LATE) * period);
     let (_, instants) =
@@ -166,7 +171,7 @@ fn closed(flow: &mut Flow, start: &Start) -> Result<Chain, NoOrbit> {
         .iter()
         .map(|instant| Instant { time: instant.time - instants[from].time, ..instant.clone() })
         .collect();
-    Ok(Chain::of_run(flow, &instants[from].after, 0.0, &shifted, None))
+    Ok(Chain::of_run(flow, &instants[from].after, 0.0, &shifted, None)?)
 }
 
 /// The two instants of a run with the same events whose states are nearest to each other. Where the period is not known,
@@ -206,7 +211,7 @@ fn nearest_return(
         }
     }
     let nearest = found.iter().map(|entry| entry.0).fold(f64::INFINITY, f64::min);
-    let alike = found.iter().filter(|entry| entry.0 <= ABOUT * nearest.max(1e-12));
+    let alike = found.iter().filter(|entry| entry.0 <= ABOUT * nearest.max(1e-9));
     alike.min_by(|a, b| a.1.total_cmp(&b.1)).map(|&(.., from, to)| (from, to))
 }
 

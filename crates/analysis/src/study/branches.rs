@@ -84,8 +84,7 @@ pub fn branches(
     for value in range {
         scene_at(*value)?.check()?;
     }
-    let flow_at: &FlowAt<'_> =
-        &|value| Flow::of(&mut Simulation::new(scene_at(value)?, 0.0)?);
+    let flow_at: &FlowAt<'_> = &|value| Flow::of(&mut Simulation::new(scene_at(value)?, 0.0)?);
     let here = value_of(scene, name)?.clamp(range[0], range[1]);
     let mut found = Vec::new();
     for (place, (label, from)) in starts.iter().enumerate() {

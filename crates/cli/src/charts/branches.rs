@@ -55,8 +55,8 @@ pub fn kind(kind: &SpecialKind) -> &'static str {
         SpecialKind::BranchPoint => "branch point",
         SpecialKind::PeriodDoubling => "period doubling",
         SpecialKind::NeimarkSacker => "Neimark–Sacker",
-        SpecialKind::Sequence { .. } => "change of events",
-        SpecialKind::SequenceFold { .. } => "fold at a change of events",
+        SpecialKind::Sequence(_) => "change of events",
+        SpecialKind::SequenceFold(_) => "fold at a change of events",
     }
 }
 
@@ -66,8 +66,8 @@ fn marker(kind: &SpecialKind) -> Marker {
         SpecialKind::BranchPoint => Marker::Diamond,
         SpecialKind::PeriodDoubling => Marker::Triangle,
         SpecialKind::NeimarkSacker => Marker::Square,
-        SpecialKind::Sequence { .. } => Marker::Ring,
-        SpecialKind::SequenceFold { .. } => Marker::Cross,
+        SpecialKind::Sequence(_) => Marker::Ring,
+        SpecialKind::SequenceFold(_) => Marker::Cross,
     }
 }
 

@@ -88,19 +88,11 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
     folder.draw("branches", &chart(&scene, name, *range, dof, &found))?;
     say!("{}", heading(&[(&scene, &observation)]));
     print(&scene, (name, dof), &labels, &found);
-    say!(
-        "\n{} has results.csv, specials.csv, study.json and a picture",
-        folder.path().display()
-    );
+    say!("\n{} has results.csv, specials.csv, study.json and a picture", folder.path().display());
     Ok(())
 }
 
-fn write(
-    folder: &Folder,
-    name: &str,
-    dof: usize,
-    found: &Branches,
-) -> Result<(), Box<dyn Error>> {
+fn write(folder: &Folder, name: &str, dof: usize, found: &Branches) -> Result<(), Box<dyn Error>> {
     let known = || {
         let branches = found.branches.iter().enumerate();
         branches.filter_map(|(place, branch)| Some((place + 1, branch.as_ref().ok()?)))
@@ -119,8 +111,7 @@ fn write(
             ]
         })
     });
-    let head =
-        ["branch", name, "period", "amplitude", "stable", "multiplier", "events", "defect"];
+    let head = ["branch", name, "period", "amplitude", "stable", "multiplier", "events", "defect"];
     folder.write_csv(&head, points)?;
     let specials = known().flat_map(|(number, branch)| {
         branch.specials.iter().map(move |special| {
@@ -169,8 +160,8 @@ fn print_branch(scene: &Scene, (number, label): (usize, &str), dof: usize, branc
     for special in &branch.specials {
         let SpecialPoint { parameter, kind: of, orbit, .. } = special;
         let by = match of {
-            SpecialKind::Sequence { contact, event }
-            | SpecialKind::SequenceFold { contact, event } => {
+            SpecialKind::Sequence(Some((contact, event)))
+            | SpecialKind::SequenceFold(Some((contact, event))) => {
                 format!(": {} {}", scene.contact_name(*contact), words(*event))
             }
             _ => String::new(),
@@ -201,7 +192,8 @@ fn end(scene: &Scene, end: &BranchEnd) -> String {
         ),
         BranchEnd::Grazing(None) => "no motion is near beyond".to_owned(),
         BranchEnd::Linear => {
-            "there all contacts begin to slide all the time: the largest of the neutral cycles".to_owned()
+            "there all contacts begin to slide all the time: the largest of the neutral cycles"
+                .to_owned()
         }
         BranchEnd::Points => "as many points as --points allows".to_owned(),
         BranchEnd::NotConverged => "no next point was found".to_owned(),
