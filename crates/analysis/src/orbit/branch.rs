@@ -38,7 +38,7 @@ const ROUNDING: f64 = 1e-8;
 /// The cosine between the directions of two neighbouring points is at least this.
 const STRAIGHT: f64 = 0.9;
 /// Special points are bisected until their parameter is known to this part of the range.
-const KNOWN: f64 = 1e-12;
+const KNOWN: f64 = 1e-13;
 /// Most bisections.
 const MOST_BISECTIONS: usize = 60;
 /// A motion is at the end of its branch the largest of neutral cycles if contacts leave uniform sliding for less than this
@@ -132,6 +132,7 @@ pub struct Continued<'a> {
 }
 
 /// A point of a branch with its direction.
+#[derive(Clone)]
 struct Node {
     chain: Chain,
     parameter: f64,
@@ -518,43 +519,33 @@ impl Continued<'_> {
         }
     }
 
-    /// The last point before the sequence of events changes within this distance, and the event that changes it.
+    /// The last point before the sequence of events changes within this distance, and the event that changes it. Each
+    /// point that is found is the base of the next one: near a tangential event a branch bends without a bound.
     #[allow(clippy::type_complexity)]
     fn bisect_sequence(
         &self,
         node: &Node,
         distance: f64,
     ) -> Result<(Node, Option<(usize, Event)>), Error> {
-        let (mut low, mut high) = (0.0, distance);
-        let (mut last, mut event) = ((node.chain.clone(), node.parameter), None);
+        let (mut last, mut event) = (node.clone(), None);
+        let mut ahead = distance;
         for _ in 0..MOST_BISECTIONS {
-            let middle = f64::midpoint(low, high);
-            if high - low <= KNOWN {
+            ahead *= 0.5;
+            if ahead <= KNOWN {
                 break;
             }
-            match self.confirmed(node, middle)? {
-                Ok(found) => (low, last) = (middle, found),
-                Err(found) => (high, event) = (middle, found.or(event)),
+            match self.confirmed(&last, ahead)? {
+                Ok((chain, parameter)) => {
+                    match self.node(chain, parameter, Some(&last.tangent), 1.0) {
+                        Ok(next) => last = next,
+                        Err(Missed::Error(error)) => return Err(error),
+                        Err(Missed::Unsolved(_)) => {}
+                    }
+                }
+                Err(found) => event = found.or(event),
             }
         }
-        let (chain, parameter) = last;
-        match self.node(chain, parameter, Some(&node.tangent), 1.0) {
-            Ok(last) => Ok((last, event)),
-            Err(Missed::Error(error)) => Err(error),
-            Err(Missed::Unsolved(_)) => Ok((
-                Node {
-                    chain: node.chain.clone(),
-                    parameter: node.parameter,
-                    orbit: node.orbit.clone(),
-                    tangent: node.tangent.clone(),
-                    change: Change {
-                        states: node.change.states.clone(),
-                        delays: node.change.delays.clone(),
-                    },
-                },
-                event,
-            )),
-        }
+        Ok((last, event))
     }
 
     /// The continuation of a branch behind a change of the sequence of events; `true` beside it if the parameter turns

@@ -368,6 +368,7 @@ pub(super) struct Rests {
 }
 
 /// A change of all states and durations of a chain.
+#[derive(Clone)]
 pub(super) struct Change {
     /// Of the beginnings of segments.
     pub states: Vec<DVector<f64>>,

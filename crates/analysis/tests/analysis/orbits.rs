@@ -179,6 +179,7 @@ fn stick_slip_ends_where_slip_returns_tangentially_to_the_belt() {
         let (_, chain, _) = solved(&mut after(scene.clone(), 20.0), None, 4.0).unwrap();
         let branch = follow(&scene, "slider.velocity", [0.02, 2.0 * wanted * speed], &chain);
         let last = branch.points.last().unwrap();
+
         near(last.parameter / speed, wanted, 1e-10);
         assert!(
             matches!(branch.ends, [BranchEnd::Range, BranchEnd::Grazing(_)]),
