@@ -466,18 +466,16 @@ impl Continued<'_> {
             }
             match self.beyond(&last)? {
                 Ok((next, turned)) => {
-                    let kind = if turned {
-                        SpecialKind::SequenceFold(event)
-                    } else {
-                        SpecialKind::Sequence(event)
-                    };
                     points.push(point(&last));
-                    specials.push(SpecialPoint {
-                        parameter: last.parameter,
-                        kind,
-                        orbit: last.orbit,
-                        place: points.len() - 1,
-                    });
+                    // The search for the next point may only have begun anew.
+                    if !has_same_events(&next.orbit, &last.orbit) {
+                        let kind = if turned {
+                            SpecialKind::SequenceFold(event)
+                        } else {
+                            SpecialKind::Sequence(event)
+                        };
+                        specials.push(special(&last, kind, points.len() - 1));
+                    }
                     points.push(point(&next));
                     node = next;
                     step = FIRST;
@@ -580,7 +578,7 @@ impl Continued<'_> {
                     _ => continue,
                 };
                 let off = difference(&orbit, &last.orbit);
-                let is_old = orbit.events.len() == last.orbit.events.len();
+                let is_old = has_same_events(&orbit, &last.orbit);
                 if off > (3.0 * part.sqrt()).max(1e-4) || turned && is_old {
                     continue;
                 }
@@ -676,6 +674,15 @@ fn special(node: &Node, kind: SpecialKind, place: usize) -> SpecialPoint {
 /// Number of multipliers outside the unit circle.
 fn growing(orbit: &Orbit) -> usize {
     orbit.multipliers.iter().filter(|[re, im]| libm::hypot(*re, *im) > 1.0).count()
+}
+
+/// `true` if contacts take the same states in the same order in both, from any instant on.
+fn has_same_events(a: &Orbit, b: &Orbit) -> bool {
+    let count = a.events.len();
+    let state = |orbit: &Orbit, place: usize| orbit.events[place % count].states.clone();
+    count == b.events.len()
+        && (count == 0
+            || (0..count).any(|off| (0..count).all(|k| state(a, k) == state(b, k + off))))
 }
 
 /// The largest difference of the extents and of the period of two orbits, relative.

@@ -222,7 +222,7 @@ impl Chain {
                 let next = &self.segments[(k + 1) % count];
                 let after = flow.field(&next.states)?;
                 let row = end_row(flow, &field, segment).ok_or(Unsolved::Unknown { segment: k })?;
-                let mut reset = DMatrix::identity(flow.size(), flow.size());
+                let mut reset = flow.held(&segment.states)?;
                 let mut states = segment.states.clone();
                 for stage in &segment.stages {
                     reset = product(&flow.reset(&states, stage)?, &reset);
@@ -261,7 +261,7 @@ impl Chain {
             let before = flow.propagate(&field, &segment.start, segment.duration);
             let row = end_row(flow, &field, segment).ok_or(Unsolved::Unknown { segment: k })?;
             values.push(row.dot(&before));
-            let mut reached = before;
+            let mut reached = times(&flow.held(&segment.states)?, &before);
             let mut states = &segment.states;
             for stage in &segment.stages {
                 reached = times(&flow.reset(states, stage)?, &reached);

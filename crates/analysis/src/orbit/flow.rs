@@ -504,7 +504,32 @@ impl Flow {
             let struck = self.velocity_map(states, &slopes)?;
             map = super::matrix::product(&struck, &super::matrix::product(&placed, &map));
         }
-        self.hold_exactly(&stage.states, &mut map);
+        Ok(super::matrix::product(&self.held(&stage.states)?, &map))
+    }
+
+    /// The map of the state onto what contacts in these states hold: closed gaps and slip velocities of zero.
+    ///
+    /// # Errors
+    /// Returns the contact whose forces were not found.
+    pub fn held(&mut self, states: &[ContactState]) -> Result<DMatrix<f64>, StepFailure> {
+        let is_inclined = self.model.contacts.iter().any(|contact| {
+            contact.normal.as_unit().is_none() || contact.tangent.as_unit().is_none()
+        });
+        let size = self.size();
+        let mut map = DMatrix::identity(size, size);
+        if is_inclined {
+            let nothing = vec![0.0; states.len()];
+            let closed: Vec<ContactState> = states
+                .iter()
+                .map(|state| match state {
+                    ContactState::Detached => ContactState::Detached,
+                    _ => ContactState::Slide,
+                })
+                .collect();
+            let placed = self.position_map(&closed, &nothing)?;
+            map = super::matrix::product(&self.velocity_map(states, &nothing)?, &placed);
+        }
+        self.hold_exactly(states, &mut map);
         Ok(map)
     }
 
@@ -626,28 +651,36 @@ fn subtract_column(force: &mut [f64], matrix: &SparseMatrix, column: usize, fact
     }
 }
 
+/// Refuses a sine that drives a friction coefficient.
+///
+/// # Errors
+/// Returns an error that names the signal.
+pub fn check_friction_signals(scene: &Scene) -> Result<(), Error> {
+    let is_sine = |shape: &Shape| matches!(shape, Shape::Sine(_));
+    match scene.signals.iter().find(|signal| signal.drives_friction() && is_sine(&signal.shape)) {
+        None => Ok(()),
+        Some(signal) => Err(Error::scene(format!(
+            "a sine drives {}: periodic motions under a friction coefficient that changes are not followed",
+            signal.input
+        ))),
+    }
+}
+
 /// Refuses signals after which the drive is neither constant nor a sum of sines.
 fn check_signals(scene: &Scene, time: f64) -> Result<(), Error> {
+    check_friction_signals(scene)?;
     for signal in scene.signals.iter() {
-        let goes_on = signal.shape.constant_until(time, 0.0) < f64::INFINITY;
-        if !goes_on {
-            continue;
-        }
-        if signal.drives_friction() {
+        let is_over = signal.shape.constant_until(time, 0.0) == f64::INFINITY;
+        let is_endless_sine = matches!(
+            &signal.shape,
+            Shape::Sine(Sine { start, end: None, .. }) if *start <= time
+        );
+        if !is_over && !is_endless_sine {
             return Err(Error::scene(format!(
-                "a signal drives {}: periodic motions under a friction coefficient that changes are not followed",
+                "the signal of {} still changes at {time} s, and not as a sine without an end: such a drive does not \
+                 repeat itself",
                 signal.input
             )));
-        }
-        match &signal.shape {
-            Shape::Sine(Sine { start, end: None, .. }) if *start <= time => {}
-            _ => {
-                return Err(Error::scene(format!(
-                    "the signal of {} still changes at {time} s, and not as a sine without an end: such a drive does not \
-                     repeat itself",
-                    signal.input
-                )));
-            }
         }
     }
     Ok(())

@@ -28,7 +28,7 @@ pub use branch::{
     Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint, branch,
 };
 pub use chain::{Chain, Linear, Segment, Unsolved};
-pub use flow::{Field, Flow, Instant, Stage};
+pub use flow::{Field, Flow, Instant, Stage, check_friction_signals};
 pub use multipliers::{Multipliers, multipliers};
 pub use search::{NoOrbit, Start, search};
 

@@ -115,7 +115,7 @@ fn across(
 
 /// The event of a contact that changes its state so. A contact in step with another one has it too, although the law may
 /// give it the new state without.
-fn implied(before: ContactState, after: ContactState) -> Option<Event> {
+pub(super) fn implied(before: ContactState, after: ContactState) -> Option<Event> {
     match (before, after) {
         (a, b) if a == b => None,
         (ContactState::Detached, _) => Some(Event::Touch),

@@ -4,9 +4,9 @@ use super::chain::{Chain, Unsolved};
 use super::check::{Difference, compare};
 use super::extremes::extremes;
 use super::flow::{Flow, Instant};
-use super::multipliers::{Multipliers, multipliers};
+use super::multipliers::{Multipliers, implied, multipliers};
 use super::{ALONG, Orbit, OrbitEvent};
-use amontons::integrator::{Motion, StepFailure};
+use amontons::integrator::{Event, EventRecord, Motion, StepFailure};
 use std::fmt;
 
 /// Most sequences of events that are solved for one orbit.
@@ -69,7 +69,10 @@ impl fmt::Display for NoOrbit {
                 "no contact changes its state and nothing drives the motion: it is linear, and periodic motions of every \
                  size are beside it",
             ),
-            Self::NoReturn => f.write_str("the motion does not come back near to any of its instants"),
+            Self::NoReturn => f.write_str(
+                "no change of contact state of the run comes back: contacts may change their states in its beginning \
+                 only, or the motion is not periodic",
+            ),
             Self::TooManyEvents { most } => {
                 write!(f, "one period has more than {most} changes of contact state")
             }
@@ -81,7 +84,7 @@ impl fmt::Display for NoOrbit {
                 write!(
                     f,
                     "Newton's method ended at a gap of {rest:.1e} of the motion's size, after {sequences} sequences of \
-                     events"
+                     events; there may be none with these values, and `amontons study branches` shows where one ends"
                 )?;
                 match grazing {
                     Some(time) => write!(
@@ -111,7 +114,7 @@ pub fn search(
         if !goes_on() {
             return Ok(None);
         }
-        let mut chain = match closed(flow, &start) {
+        let mut chain = match closed(flow, &start, sequences > 1) {
             Err(NoOrbit::NoReturn) if sequences > 1 => break,
             chain => chain?,
         };
@@ -151,14 +154,16 @@ pub fn search(
     Err(NoOrbit::NotConverged { rest, grazing, sequences: MOST_SEQUENCES })
 }
 
-/// The chain of a run from the start until it nearly comes back.
-fn closed(flow: &mut Flow, start: &Start) -> Result<Chain, NoOrbit> {
+/// The chain of a run from the start until it nearly comes back. Under a drive `again` runs one period before: contacts
+/// then have the states in which the motion really passes the phase of the start.
+fn closed(flow: &mut Flow, start: &Start, again: bool) -> Result<Chain, NoOrbit> {
     let Start { motion, period, longest } = start;
     if let (true, Some(period)) = (flow.is_driven(), *period) {
-        let (_, mut instants) =
-            flow.run(motion, 0.0, period, |records| records.len() <= MOST_EVENTS)?;
+        let few = |records: &[EventRecord]| records.len() <= MOST_EVENTS;
+        let motion = if again { flow.run(motion, 0.0, period, few)?.0 } else { motion.clone() };
+        let (_, mut instants) = flow.run(&motion, 0.0, period, few)?;
         instants.retain(|instant| instant.time > 0.0 || instant.is_change());
-        return Ok(Chain::of_run(flow, motion, 0.0, &instants, Some(period))?);
+        return Ok(Chain::of_run(flow, &motion, 0.0, &instants, Some(period))?);
     }
     let duration = period.map_or(*longest, |period| (1.0 + LATE) * period);
     let (_, instants) =
@@ -251,11 +256,17 @@ pub(super) fn orbit(
             continue;
         }
         let next = &chain.segments[(k + 1) % chain.segments.len()];
-        events.push(OrbitEvent {
-            time,
-            events: segment.stages.iter().flat_map(|stage| stage.events.iter().copied()).collect(),
-            states: next.states.clone(),
-        });
+        let mut own: Vec<(usize, Event)> =
+            segment.stages.iter().flat_map(|stage| stage.events.iter().copied()).collect();
+        // The law may give a contact its new state together with another one that has an event.
+        for contact in 0..next.states.len() {
+            if own.iter().all(|event| event.0 != contact) {
+                let event = implied(segment.states[contact], next.states[contact]);
+                own.extend(event.map(|event| (contact, event)));
+            }
+        }
+        own.sort_by_key(|event| event.0);
+        events.push(OrbitEvent { time, events: own, states: next.states.clone() });
     }
     Ok(Orbit {
         period: chain.period(),

@@ -6,7 +6,7 @@ use super::observation::ObservationSettings;
 use super::perturbation::{Direction, perturbation};
 use super::settling::run_to_steady_state;
 use super::{Journal, Push, Watch, drive};
-use crate::orbit::{Chain, Flow, NoOrbit, Orbit, Start, search};
+use crate::orbit::{Chain, Flow, NoOrbit, Orbit, Start, check_friction_signals, search};
 use amontons::Error;
 use amontons::integrator::Motion;
 use amontons::scene::Scene;
@@ -65,6 +65,7 @@ pub(super) fn solved(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<(FoundOrbit, Chain)>, Error> {
+    check_friction_signals(scene)?;
     let begun = match from {
         From::Run => Begun::by_run(scene, observation, watch)?,
         From::Boundary(direction) => {

@@ -6,8 +6,9 @@ use amontons_analysis::study::{Branches, RestBranch};
 use amontons_analysis::sweep::axis;
 use amontons_pictures::picture::{Chart, Marker, Panel, Series, Style};
 
-/// Colour of rest and of neutral cycles, and the first colour of branches.
-const REST: usize = 7;
+/// Colours of rest and of neutral cycles, behind those of branches.
+const REST: usize = 2;
+const NEUTRAL: usize = 6;
 
 /// Amplitude of a degree of freedom and frequency over the parameter: stable motions as full lines, others dashed.
 #[must_use]
@@ -141,7 +142,7 @@ fn rest_curves(rest: &RestBranch, [first, last]: [f64; 2], dof: usize) -> Vec<Se
     [
         ("rest, stable", stable, REST, Style::Line),
         ("rest, unstable", unstable, REST, Style::Dashed),
-        ("neutral cycles", neutral, REST - 1, Style::Line),
+        ("neutral cycles", neutral, NEUTRAL, Style::Line),
     ]
     .into_iter()
     .filter(|(_, points, ..)| !points.is_empty())

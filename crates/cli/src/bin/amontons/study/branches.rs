@@ -25,7 +25,7 @@ pub struct BranchesArguments {
     common: StudyArguments,
     #[command(flatten)]
     options: ObservationOptions,
-    /// Parameter, input or initial value, with its range
+    /// Parameter or input, with its range
     #[arg(long, value_name = "NAME=A:B", value_parser = parameter, allow_hyphen_values = true)]
     parameter: (String, [f64; 2]),
     /// Begin a branch with an orbit that `amontons study orbit` has found; may be repeated. Without any start a branch
@@ -59,6 +59,13 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
             scene.dof_names()[0]
         ))
     })?;
+    if name.starts_with("initial.") {
+        let message = format!(
+            "periodic motions do not depend on initial values such as {name}; choose a parameter, such as \
+             friction.coefficient or slider.velocity"
+        );
+        return Err(amontons::Error::argument(message).into());
+    }
     let mut starts = Vec::new();
     for path in &arguments.from {
         starts.push((path.display().to_string(), From::Orbit(Box::new(read(path, &scene)?))));
@@ -169,15 +176,27 @@ fn print_branch(scene: &Scene, (number, label): (usize, &str), dof: usize, branc
         say!("  {parameter:.12}  {}{by}, amplitude {:.6e} m", kind(of), orbit.extents[dof]);
     }
     say!("  ends at {}: {}", place(last), end(scene, &branch.ends[1]));
-    for piece in branch.points.chunk_by(|a, b| a.orbit.is_stable() == b.orbit.is_stable()) {
-        let [from, to] = [0, piece.len() - 1].map(|i| piece[i].parameter);
-        let points = counted(piece.len(), "point", "points");
-        let stable = match piece[0].orbit.is_stable() {
-            Some(true) => "stable",
-            Some(false) => "unstable",
-            None => "stability unknown",
-        };
-        say!("  {stable} from {from:.9} to {to:.9} ({points})");
+    let mut from = branch.points[0].parameter;
+    for (place, two) in branch.points.windows(2).enumerate() {
+        let [before, after] = [&two[0], &two[1]].map(|point| point.orbit.is_stable());
+        if before == after {
+            continue;
+        }
+        // The change is at the special point between them, where there is one.
+        let special = branch.specials.iter().find(|special| special.place == place);
+        let to = special.map_or(two[1].parameter, |special| special.parameter);
+        say!("  {} from {from:.9} to {to:.9}", stable_words(before));
+        from = to;
+    }
+    let is_stable = branch.points[branch.points.len() - 1].orbit.is_stable();
+    say!("  {} from {from:.9} to {:.9}", stable_words(is_stable), last.parameter);
+}
+
+fn stable_words(is_stable: Option<bool>) -> &'static str {
+    match is_stable {
+        Some(true) => "stable",
+        Some(false) => "unstable",
+        None => "stability unknown",
     }
 }
 
@@ -217,10 +236,11 @@ fn print_rest(scene: &Scene, name: &str, dof: usize, rest: &RestBranch) {
             ),
             None => String::new(),
         };
-        say!(
-            "  {:.12}  a mode {begins} to grow at {:.3} Hz{neutral}",
-            crossing.parameter,
-            crossing.frequency_hz
-        );
+        let how = if crossing.frequency_hz.abs() < 1e-6 {
+            "without oscillation".to_owned()
+        } else {
+            format!("at {:.3} Hz", crossing.frequency_hz)
+        };
+        say!("  {:.12}  a mode {begins} to grow {how}{neutral}", crossing.parameter);
     }
 }

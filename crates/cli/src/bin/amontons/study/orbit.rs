@@ -172,7 +172,10 @@ fn print(scene: &Scene, FoundOrbit { orbit, boundary, .. }: &FoundOrbit) {
     }
     say!("exactly zero: {}", orbit.zeros);
     say!("\n{:<24}  half peak to peak [m]", "displacement");
+    let largest = orbit.extents.iter().copied().fold(0.0, f64::max);
     for (name, extent) in scene.dof_names().iter().zip(&orbit.extents) {
+        // Rounding moves what contacts hold.
+        let extent = if *extent < 1e-15 * largest { 0.0 } else { *extent };
         say!("{name:<24}  {extent:.9e}");
     }
     say!("\n{:>18}  {:>12}  {:<16}  {:<18}  then", "time [s]", "of a period", "contact", "event");
