@@ -1,12 +1,43 @@
 //! A value of a scene, by its variable's name.
 
 use amontons::Error;
-use amontons::scene::{MissingFeature, Problem, Scene, did_you_mean};
+use amontons::scene::{MissingFeature, Problem, Scene, Shape, Signal, did_you_mean};
 use amontons::simulation::catalogue::Quantity;
-use amontons::simulation::{Variable, rule, variables, write_scene};
+use amontons::simulation::{Parameters, Variable, rule, variables, write_scene};
 use std::collections::HashSet;
 
-/// Gives a parameter or input of a scene, known by its name, another value.
+/// The value that a scene gives to a parameter, an input, or a value of a signal ([`assign`]).
+///
+/// # Errors
+/// Returns the error of [`assign`] if there is none of that name.
+pub fn value_of(scene: &Scene, name: &str) -> Result<f64, Error> {
+    let parameters = Parameters::of(scene.clone());
+    if let Some((_, value)) = parameters.iter().find(|(variable, _)| variable.name == name) {
+        return Ok(value);
+    }
+    if let Some(value) = signal_value(&mut scene.signals.to_vec(), name) {
+        return Ok(*value);
+    }
+    assign(&mut scene.clone(), name, 0.0).map(|()| 0.0)
+}
+
+/// The place of `signal[N].amplitude`, `.frequency` or `.phase` of a sine, or `signal[N].value` of a constant signal or a
+/// pulse, with signals counted from 1 in the order of the file.
+fn signal_value<'a>(signals: &'a mut [Signal], name: &str) -> Option<&'a mut f64> {
+    let (number, key) = name.strip_prefix("signal[")?.split_once("].")?;
+    let place: usize = number.parse::<usize>().ok()?.checked_sub(1)?;
+    match (&mut signals.get_mut(place)?.shape, key) {
+        (Shape::Sine(sine), "amplitude") => Some(&mut sine.amplitude),
+        (Shape::Sine(sine), "frequency") => Some(&mut sine.frequency),
+        (Shape::Sine(sine), "phase") => Some(&mut sine.phase),
+        (Shape::Constant(constant), "value") => Some(&mut constant.value),
+        (Shape::Pulse(pulse), "value") => Some(&mut pulse.value),
+        _ => None,
+    }
+}
+
+/// Gives a parameter or input of a scene, known by its name, another value; or a value of one of its signals, such as
+/// `signal[1].frequency`, which no FMU has as a variable.
 ///
 /// # Errors
 /// Returns an error if there is no such parameter or input (the nearest name is given, or those with like names), or
@@ -25,6 +56,20 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
                 Err(Error::scene(Problem::new(&*variable.name, wish).of(value).to_string()))
             }
         };
+    }
+    let mut signals = scene.signals.to_vec();
+    if let Some(place) = signal_value(&mut signals, name) {
+        *place = value;
+        scene.signals = signals.into();
+        return scene.check();
+    }
+    if name.starts_with("signal[") {
+        return Err(Error::argument(format!(
+            "there is no {name} in {}, which has {} signals: a sine has signal[N].amplitude, .frequency and .phase, a \
+             constant or a pulse has signal[N].value, with N from 1 in the order of the file",
+            scene.name,
+            scene.signals.len()
+        )));
     }
     if let Some(output) = variables(scene).iter().find(|variable| variable.name == name) {
         return Err(Error::argument(format!("{} cannot be set: it is an output", output.name)));
@@ -101,6 +146,20 @@ mod tests {
             }
         }
         assert_eq!(in_file, 9 * 7);
+    }
+
+    #[test]
+    fn a_signal_has_values_that_can_be_set_and_others_that_are_named() {
+        let mut scene = builtin("den_hartog").unwrap().scene();
+        assert_eq!(value_of(&scene, "signal[1].frequency"), Ok(2.5));
+        assign(&mut scene, "signal[1].frequency", 3.0).unwrap();
+        assert_eq!(value_of(&scene, "signal[1].frequency"), Ok(3.0));
+        let error = assign(&mut scene.clone(), "signal[1].frequency", -1.0).unwrap_err();
+        assert!(error.to_string().contains("signal[1].sine.frequency"), "{error}");
+        for name in ["signal[2].frequency", "signal[0].phase", "signal[1].value"] {
+            let error = assign(&mut scene, name, 1.0).unwrap_err().to_string();
+            assert!(error.contains("signal[N].amplitude"), "{name}: {error}");
+        }
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub type FlowAt<'a> = dyn Fn(f64) -> Result<Flow, Error> + 'a;
 
 /// First, largest and least distance from point to point.
 const FIRST: f64 = 0.01;
-const LARGEST: f64 = 0.1;
+const LARGEST: f64 = 0.05;
 const LEAST: f64 = 1e-9;
 /// Most corrections of a point.
 const MOST_CORRECTIONS: usize = 10;
@@ -36,7 +36,7 @@ const FOUND: f64 = 1e-11;
 /// Corrections this small that no longer fall are rounding.
 const ROUNDING: f64 = 1e-8;
 /// The cosine between the directions of two neighbouring points is at least this.
-const STRAIGHT: f64 = 0.9;
+const STRAIGHT: f64 = 0.97;
 /// Special points are bisected until their parameter is known to this part of the range.
 const KNOWN: f64 = 1e-13;
 /// Most bisections.
@@ -272,13 +272,14 @@ impl Continued<'_> {
     /// sign. Its motion is confirmed beforehand.
     fn node(
         &self,
-        chain: Chain,
+        mut chain: Chain,
         parameter: f64,
         before: Option<&(DVector<f64>, f64)>,
         sign: f64,
     ) -> Result<Node, Missed> {
         let mut flow = (self.flow_at)(parameter)?;
         let dofs = flow.dofs();
+        chain.set_scales(&mut flow).map_err(|_| Missed::Unsolved(None))?;
         let linear = chain.linear(&mut flow)?;
         let rests = chain.rests(&mut flow)?;
         let by_parameter = self.by_parameter(&chain, parameter)?;

@@ -164,7 +164,7 @@ impl Chain {
     }
 
     /// Sets the scales to the largest ranges of a displacement and of a velocity over the motion.
-    fn set_scales(&mut self, flow: &mut Flow) -> Result<(), StepFailure> {
+    pub(super) fn set_scales(&mut self, flow: &mut Flow) -> Result<(), StepFailure> {
         let dofs = flow.dofs();
         let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; 2 * dofs];
         for segment in &self.segments {

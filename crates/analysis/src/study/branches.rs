@@ -2,7 +2,7 @@
 
 use super::orbit::{From, solved};
 use super::{Journal, ObservationSettings, Watch};
-use crate::assign::assign;
+use crate::assign::{assign, value_of};
 use crate::orbit::{Branch, Continued, Flow, FlowAt, branch};
 use crate::stability::candidates::{spread, stable_ranges, uniform_sliding};
 use crate::stability::locus::locus;
@@ -20,7 +20,7 @@ const USUAL_POINTS: f64 = 150.0;
 /// Input of a study of branches.
 #[derive(Clone, Debug)]
 pub struct BranchQuestion {
-    /// The parameter, input or initial value, by its name in the FMU.
+    /// The parameter, input or value of a signal ([`assign`]).
     pub name: String,
     /// Its range.
     pub range: [f64; 2],
@@ -120,17 +120,6 @@ pub fn branches(
     }
     let rest = rest_branch(&scene_at, *range).map_err(|error| error.to_string());
     Ok(Some(Branches { branches: found, rest }))
-}
-
-/// The value that a scene gives to a parameter, input or initial value.
-fn value_of(scene: &Scene, name: &str) -> Result<f64, Error> {
-    let parameters = amontons::simulation::Parameters::of(scene.clone());
-    let found = parameters.iter().find(|(variable, _)| variable.name == name);
-    match found {
-        Some((_, value)) => Ok(value),
-        // The message of a name that there is not is that of the assignment.
-        None => assign(&mut scene.clone(), name, 0.0).map(|()| 0.0),
-    }
 }
 
 /// Uniform sliding over the range.

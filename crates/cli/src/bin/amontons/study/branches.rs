@@ -25,7 +25,7 @@ pub struct BranchesArguments {
     common: StudyArguments,
     #[command(flatten)]
     options: ObservationOptions,
-    /// Parameter or input, with its range
+    /// Parameter or input with its range, or a value of a signal, such as signal[1].frequency
     #[arg(long, value_name = "NAME=A:B", value_parser = parameter, allow_hyphen_values = true)]
     parameter: (String, [f64; 2]),
     /// Begin a branch with an orbit that `amontons study orbit` has found; may be repeated. Without any start a branch
