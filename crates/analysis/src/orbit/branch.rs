@@ -183,6 +183,7 @@ pub fn branch(
     chain: &Chain,
     parameter: f64,
 ) -> Result<Option<Branch>, Error> {
+    let chain = away_from_events(&mut (continued.flow_at)(parameter)?, chain.clone());
     let mut sides = Vec::with_capacity(2);
     for sign in [-1.0, 1.0] {
         let first = match continued.node(chain.clone(), parameter, None, sign) {
@@ -567,6 +568,7 @@ impl Continued<'_> {
                 let first = &ahead.segments[0];
                 let start = Start {
                     motion: flow.motion(&first.start, &first.states),
+                    time: flow.time_of(ahead.turn),
                     period: Some(ahead.period()),
                     longest: ahead.period(),
                 };
@@ -583,6 +585,7 @@ impl Continued<'_> {
                 if off > (3.0 * part.sqrt()).max(1e-4) || turned && is_old {
                     continue;
                 }
+                let chain = away_from_events(&mut flow, chain);
                 match self.node(chain, parameter, None, sign) {
                     Ok(node) => return Ok(Ok((node, turned))),
                     Err(Missed::Error(error)) => return Err(error),
@@ -662,6 +665,15 @@ impl Continued<'_> {
         }
         Ok(found)
     }
+}
+
+/// The chain of a driven motion, begun where no event is near: an event that passes the beginning would end the chain.
+fn away_from_events(flow: &mut Flow, chain: Chain) -> Chain {
+    if !flow.is_driven() {
+        return chain;
+    }
+    let Ok(mut moved) = chain.begun_between_events(flow) else { return chain };
+    if moved.solve(flow).is_ok() { moved } else { chain }
 }
 
 fn point(node: &Node) -> BranchPoint {

@@ -53,6 +53,8 @@ pub struct Chain {
     pub segments: Vec<Segment>,
     /// Scales of displacements, m, and of velocities, m/s: the largest ranges over the motion that the chain began with.
     pub scales: [f64; 2],
+    /// By how much the first sine has turned since time 0 when the chain begins, rad; 0 without a drive.
+    pub turn: f64,
 }
 
 /// The reason why a chain has no solution nearby.
@@ -143,9 +145,68 @@ impl Chain {
         if let Some(end) = end {
             segments.push(Segment { states, start, duration: end - time, stages: Vec::new() });
         }
-        let mut chain = Self { segments, scales: [1.0; 2] };
+        let mut chain = Self { segments, scales: [1.0; 2], turn: flow.turn(t) };
         chain.set_scales(flow)?;
         Ok(chain)
+    }
+
+    /// The same motion under a drive, begun `time` (s) later.
+    ///
+    /// # Errors
+    /// Returns the contact whose forces were not found.
+    pub(super) fn begun_later(&self, flow: &mut Flow, time: f64) -> Result<Self, StepFailure> {
+        let begin = flow.time_of(self.turn);
+        let (mut place, mut within) = (0, time.rem_euclid(self.period()));
+        while place + 1 < self.segments.len() && within > self.segments[place].duration {
+            within -= self.segments[place].duration;
+            place += 1;
+        }
+        let divided = &self.segments[place];
+        let field = flow.field(&divided.states)?;
+        let mut middle = flow.propagate(&field, &divided.start, within);
+        flow.set_time(&mut middle, begin + time);
+        // The old end of the period divides nothing any more.
+        let count = self.segments.len();
+        let mut segments: Vec<Segment> = Vec::with_capacity(count + 1);
+        for k in 0..=count {
+            let mut segment = self.segments[(place + k) % count].clone();
+            if k == 0 {
+                segment.duration -= within;
+                segment.start = middle.clone();
+            }
+            if k == count {
+                segment.duration = within;
+                segment.stages.clear();
+            }
+            match segments.last_mut() {
+                Some(before) if before.stages.is_empty() => {
+                    before.duration += segment.duration;
+                    before.stages = segment.stages;
+                }
+                _ => segments.push(segment),
+            }
+        }
+        let mut chain = Self { segments, scales: self.scales, turn: flow.turn(begin + time) };
+        chain.set_times(flow);
+        Ok(chain)
+    }
+
+    /// The same motion under a drive, begun in the middle of its longest segment, far from all events.
+    ///
+    /// # Errors
+    /// Returns the contact whose forces were not found.
+    pub(super) fn begun_between_events(&self, flow: &mut Flow) -> Result<Self, StepFailure> {
+        let count = self.segments.len();
+        // The first and the last segment are one.
+        let duration = |k: usize| {
+            let own = self.segments[k].duration;
+            if k == count - 1 && k > 0 { own + self.segments[0].duration } else { own }
+        };
+        let first = usize::from(count > 1);
+        let longest = (first..count).max_by(|a, b| duration(*a).total_cmp(&duration(*b)));
+        let longest = longest.unwrap_or(0);
+        let before: f64 = self.segments[..longest].iter().map(|segment| segment.duration).sum();
+        self.begun_later(flow, before + 0.5 * duration(longest))
     }
 
     /// The chain of one period of a motion that repeats itself within the chain; `None` of one that does not.
@@ -160,7 +221,7 @@ impl Chain {
             })
         };
         let part = (1..count).find(|part| count.is_multiple_of(*part) && is_repeated(*part))?;
-        Some(Self { segments: self.segments[..part].to_vec(), scales: self.scales })
+        Some(Self { segments: self.segments[..part].to_vec(), ..self.clone() })
     }
 
     /// Sets the scales to the largest ranges of a displacement and of a velocity over the motion.
@@ -189,8 +250,8 @@ impl Chain {
     }
 
     /// The times at which segments begin, s.
-    fn times(&self) -> Vec<f64> {
-        let mut time = 0.0;
+    pub(super) fn times(&self, flow: &Flow) -> Vec<f64> {
+        let mut time = flow.time_of(self.turn);
         let begin = |segment: &Segment| {
             let begins = time;
             time += segment.duration;
@@ -221,7 +282,8 @@ impl Chain {
                 let rate = Flow::rate(&field, &before);
                 let next = &self.segments[(k + 1) % count];
                 let after = flow.field(&next.states)?;
-                let row = end_row(flow, &field, segment).ok_or(Unsolved::Unknown { segment: k })?;
+                let row = end_row(flow, &field, segment, self.turn)
+                    .ok_or(Unsolved::Unknown { segment: k })?;
                 let mut reset = flow.held(&segment.states)?;
                 let mut states = segment.states.clone();
                 for stage in &segment.stages {
@@ -259,7 +321,8 @@ impl Chain {
         for (k, segment) in self.segments.iter().enumerate() {
             let field = flow.field(&segment.states)?;
             let before = flow.propagate(&field, &segment.start, segment.duration);
-            let row = end_row(flow, &field, segment).ok_or(Unsolved::Unknown { segment: k })?;
+            let row = end_row(flow, &field, segment, self.turn)
+                .ok_or(Unsolved::Unknown { segment: k })?;
             values.push(row.dot(&before));
             let mut reached = times(&flow.held(&segment.states)?, &before);
             let mut states = &segment.states;
@@ -352,7 +415,7 @@ impl Chain {
 
     /// Writes the places of all states that depend on time alone.
     pub(super) fn set_times(&mut self, flow: &Flow) {
-        let times = self.times();
+        let times = self.times(flow);
         for (segment, time) in self.segments.iter_mut().zip(times) {
             flow.set_time(&mut segment.start, time);
         }
@@ -481,9 +544,9 @@ impl<'a> Condensed<'a> {
 }
 
 /// The row of the function that ends a segment: that of its first event, or the phase of the first sine.
-fn end_row(flow: &Flow, field: &Rc<Field>, segment: &Segment) -> Option<DVector<f64>> {
+fn end_row(flow: &Flow, field: &Rc<Field>, segment: &Segment, turn: f64) -> Option<DVector<f64>> {
     match segment.stages.first() {
-        None => flow.phase_row(),
+        None => flow.phase_row(turn),
         Some(stage) => {
             let (contact, event) = *stage.events.first()?;
             flow.event_row(field, contact, event)

@@ -30,25 +30,25 @@ pub enum Difference {
 pub fn compare(chain: &Chain, flow: &mut Flow) -> Result<Difference, StepFailure> {
     let (count, period) = (chain.segments.len(), chain.period());
     let near = NEAR * period;
-    let (mut time, mut defect) = (0.0, 0.0_f64);
-    for (k, segment) in chain.segments.iter().enumerate() {
+    let mut defect = 0.0_f64;
+    for ((k, segment), time) in chain.segments.iter().enumerate().zip(chain.times(flow)) {
         let next = &chain.segments[(k + 1) % count];
         match end_of(segment, next, chain, flow, time, near)? {
             Ok(off) if off <= SAME => defect = defect.max(off),
             Ok(_) => return Ok(Difference::Elsewhere { segment: k, found: None }),
             Err(found) => return Ok(Difference::Elsewhere { segment: k, found }),
         }
-        time += segment.duration;
     }
+    let begin = flow.time_of(chain.turn);
     let first = &chain.segments[0];
     let motion = flow.motion(&first.start, &first.states);
     let past = if first_ends_by_phase(chain) { 0.0 } else { near };
-    let (end, instants) = flow.run(&motion, 0.0, period + past, |_| true)?;
+    let (end, instants) = flow.run(&motion, begin, period + past, |_| true)?;
     let reached = match instants.last() {
         Some(last) if past > 0.0 && (last.time - period).abs() <= 2.0 * near => {
-            flow.state(&last.after, period)
+            flow.state(&last.after, begin)
         }
-        _ => flow.state(&end, period),
+        _ => flow.state(&end, begin),
     };
     let closure = chain.size(flow.dofs(), &(reached - &first.start));
     Ok(Difference::None { defect, closure })

@@ -458,10 +458,22 @@ impl Flow {
         })
     }
 
-    /// The row that is zero when the first sine has the phase that it had at time 0, and rises there.
+    /// By how much the first sine has turned since time 0 at time `t` (s), rad; 0 without a drive.
     #[must_use]
-    pub fn phase_row(&self) -> Option<DVector<f64>> {
-        let phase = self.waves.first()?.phase;
+    pub fn turn(&self, t: f64) -> f64 {
+        self.waves.first().map_or(0.0, |wave| wave.pulsation * t)
+    }
+
+    /// The time, s, at which the first sine has turned by so much since time 0.
+    #[must_use]
+    pub fn time_of(&self, turn: f64) -> f64 {
+        self.waves.first().map_or(0.0, |wave| turn / wave.pulsation)
+    }
+
+    /// The row that is zero when the first sine has turned by so much since time 0, up to full turns, and rises there.
+    #[must_use]
+    pub fn phase_row(&self, turn: f64) -> Option<DVector<f64>> {
+        let phase = self.waves.first()?.phase + turn;
         let first = 2 * self.dofs() + 1;
         let mut row = DVector::zeros(self.size());
         row[first] = libm::cos(phase);

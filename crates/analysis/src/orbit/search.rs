@@ -20,8 +20,10 @@ const LATE: f64 = 1.25;
 /// A motion that nearly comes back.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// The motion. Under a drive it is at time 0 of the flow.
+    /// The motion.
     pub motion: Motion,
+    /// The time of the flow at which it is there, s; of no meaning without a drive.
+    pub time: f64,
     /// The period, s, as far as it is known; under a drive exactly. `None`: the nearest return within `longest`.
     pub period: Option<f64>,
     /// How long a return may take, s, where the period is not known, and the time in which it is looked for.
@@ -148,6 +150,7 @@ pub fn search(
         }
         let first = &chain.segments[0];
         start.motion = flow.motion(&first.start, &first.states);
+        start.time = flow.time_of(chain.turn);
         start.period = start.period.filter(|_| flow.is_driven()).or(Some(chain.period()));
     }
     let (rest, grazing) = best;
@@ -157,13 +160,13 @@ pub fn search(
 /// The chain of a run from the start until it nearly comes back. Under a drive `again` runs one period before: contacts
 /// then have the states in which the motion really passes the phase of the start.
 fn closed(flow: &mut Flow, start: &Start, again: bool) -> Result<Chain, NoOrbit> {
-    let Start { motion, period, longest } = start;
+    let Start { motion, time, period, longest } = start;
     if let (true, Some(period)) = (flow.is_driven(), *period) {
         let few = |records: &[EventRecord]| records.len() <= MOST_EVENTS;
-        let motion = if again { flow.run(motion, 0.0, period, few)?.0 } else { motion.clone() };
-        let (_, mut instants) = flow.run(&motion, 0.0, period, few)?;
+        let motion = if again { flow.run(motion, *time, period, few)?.0 } else { motion.clone() };
+        let (_, mut instants) = flow.run(&motion, *time, period, few)?;
         instants.retain(|instant| instant.time > 0.0 || instant.is_change());
-        return Ok(Chain::of_run(flow, &motion, 0.0, &instants, Some(period))?);
+        return Ok(Chain::of_run(flow, &motion, *time, &instants, Some(period))?);
     }
     let duration = period.map_or(*longest, |period| (1.0 + LATE) * period);
     let (_, instants) =
@@ -236,6 +239,14 @@ pub(super) fn orbit(
     let Multipliers { values, zeros, ambiguous } =
         found.unwrap_or(Multipliers { values: Vec::new(), zeros: 0, ambiguous: None });
     let driven = flow.is_driven();
+    // An orbit under a drive is told from time 0 on.
+    let turned;
+    let chain = if driven && chain.turn != 0.0 {
+        turned = chain.begun_later(flow, -flow.time_of(chain.turn))?;
+        &turned
+    } else {
+        chain
+    };
     let mut rest: Vec<[f64; 2]> = values.iter().map(|value| [value.re, value.im]).collect();
     let mut along = None;
     if !driven {

@@ -107,7 +107,7 @@ impl Begun {
             simulation.advance_to((simulation.time() / drive).ceil() * drive)?;
         }
         let motion = simulation.motion().clone();
-        let start = Start { motion, period: Some(period), longest: period };
+        let start = Start { motion, time: 0.0, period: Some(period), longest: period };
         Ok(Some(Self { simulation, start, ending: Some(ending), boundary: None }))
     }
 
@@ -135,6 +135,7 @@ impl Begun {
         let simulation = Simulation::new(starting_from(scene, &[(&direction.name, value)])?, 0.0)?;
         let start = Start {
             motion: simulation.motion().clone(),
+            time: 0.0,
             period: drive::period(&simulation),
             longest: WINDOWS_NEAR * observation.window,
         };
@@ -151,7 +152,7 @@ impl Begun {
             Some(drive) => drive * (period / drive).round().max(1.0),
             None => period,
         };
-        let start = Start { motion, period: Some(period), longest: period };
+        let start = Start { motion, time: 0.0, period: Some(period), longest: period };
         Ok(Self { simulation, start, ending: None, boundary: None })
     }
 }

@@ -19,7 +19,7 @@ fn solved(
 ) -> Result<(Orbit, Chain, Flow), NoOrbit> {
     let motion = simulation.motion().clone();
     let mut flow = Flow::of(simulation).unwrap();
-    let start = Start { motion, period, longest };
+    let start = Start { motion, time: 0.0, period, longest };
     let (orbit, chain) = search(&mut flow, &start, &|| true)?.unwrap();
     assert!(orbit.defect < 1e-12, "defect {:e}", orbit.defect);
     Ok((orbit, chain, flow))
