@@ -462,6 +462,7 @@ impl Continued<'_> {
                 continue;
             }
             let (last, event) = self.bisect_sequence(&node, step)?;
+            let event = event.or_else(|| self.nearest_change(&last));
             let place = points.len() - 1;
             if last.parameter != node.parameter {
                 self.note_specials(&node, &last, step, place, &mut specials)?;
@@ -546,6 +547,25 @@ impl Continued<'_> {
             }
         }
         Ok((last, event))
+    }
+
+    /// The event that ends the segment which the motion leaves most nearly tangentially, or the one of the shortest
+    /// segment if that is about to vanish.
+    fn nearest_change(&self, node: &Node) -> Option<(usize, Event)> {
+        /// Tangential, and about to vanish.
+        const SMALL: f64 = 1e-3;
+        let mut flow = (self.flow_at)(node.parameter).ok()?;
+        let linear = node.chain.linear(&mut flow).ok()?;
+        let period = node.chain.period();
+        let measure = |k: usize| {
+            let terms = linear[k].row.iter().zip(&linear[k].rate);
+            let terms: f64 = terms.map(|(a, b)| (a * b).abs()).sum();
+            let segment = &node.chain.segments[k];
+            (linear[k].slope.abs() / terms).min(segment.duration / period)
+        };
+        let least = (0..linear.len()).min_by(|a, b| measure(*a).total_cmp(&measure(*b)))?;
+        let stage = node.chain.segments[least].stages.first()?;
+        (measure(least) < SMALL).then(|| stage.events.first().copied()).flatten()
     }
 
     /// The continuation of a branch behind a change of the sequence of events; `true` beside it if the parameter turns

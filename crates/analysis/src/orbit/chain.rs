@@ -292,9 +292,7 @@ impl Chain {
                 }
                 let reached = times(&reset, &before);
                 let slope = row.dot(&rate);
-                // In a tangential meeting the function is as good as flat over the whole segment.
-                let bound: f64 = row.iter().zip(&rate).map(|(a, b)| (a * b).abs()).sum();
-                if !(slope.abs() > 1e-12 * bound) {
+                if is_tangential(&row, &rate, slope) {
                     return Err(Unsolved::Grazes { segment: k });
                 }
                 Ok(Linear {
@@ -541,6 +539,13 @@ impl<'a> Condensed<'a> {
         let is_finite = states.iter().all(|change| change.iter().all(|value| value.is_finite()));
         is_finite.then_some(Change { states, delays })
     }
+}
+
+/// `true` if a motion with this rate meets the zero of a function tangentially, but for rounding: the rate of the function,
+/// `slope`, is a small sum of large terms, or no number.
+pub(super) fn is_tangential(row: &DVector<f64>, rate: &DVector<f64>, slope: f64) -> bool {
+    let terms: f64 = row.iter().zip(rate).map(|(a, b)| (a * b).abs()).sum();
+    slope.abs() <= 1e-12 * terms || !slope.is_finite()
 }
 
 /// The row of the function that ends a segment: that of its first event, or the phase of the first sine.

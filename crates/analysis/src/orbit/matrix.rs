@@ -96,7 +96,11 @@ pub(super) fn null_space(rows: &[DVector<f64>], size: usize) -> DMatrix<f64> {
             break;
         }
     }
-    DMatrix::from_columns(&known[held..])
+    let mut basis = DMatrix::zeros(size, known.len() - held);
+    for (mut column, vector) in basis.column_iter_mut().zip(&known[held..]) {
+        column.copy_from(vector);
+    }
+    basis
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! the matrix has the rank of the segment in which most are held, and as many multipliers are exactly zero as are held
 //! there. The others are eigenvalues of the matrix in the space that this segment leaves.
 
-use super::chain::{Chain, Linear, Unsolved};
+use super::chain::{Chain, Linear, Unsolved, is_tangential};
 use super::flow::{Field, Flow, Stage};
 use super::matrix::{null_space, product};
 use amontons::contact::ContactState;
@@ -57,6 +57,9 @@ pub fn multipliers(chain: &Chain, flow: &mut Flow) -> Result<Option<Multipliers>
     let basis = null_space(&rows, motion);
     let free = product(&basis.transpose(), &product(&scaled, &basis));
     let zeros = motion - basis.ncols();
+    if free.is_empty() {
+        return Ok(Some(Multipliers { values: Vec::new(), zeros, ambiguous }));
+    }
     let Some(mut values) = eigenvalues(free) else { return Ok(None) };
     let conjugates_last = |value: &Complex<f64>| value.im < 0.0;
     values.sort_by(|a, b| {
@@ -78,9 +81,9 @@ fn across(
     if segment.stages.iter().all(|stage| stage.impact.is_none()) {
         let field = flow.field(&segment.states)?;
         let next = &chain.segments[(k + 1) % chain.segments.len()].states;
-        for contact in 0..next.len() {
+        for (contact, (before, after)) in segment.states.iter().zip(next).enumerate() {
             let has_one = events.iter().any(|event| event.0 == contact);
-            let event = implied(segment.states[contact], next[contact]).filter(|_| !has_one);
+            let event = implied(*before, *after).filter(|_| !has_one);
             let Some(event) = event else { continue };
             let Some(row) = flow.event_row(&field, contact, event) else { continue };
             let terms = row.iter().zip(&linear.before).map(|(a, b)| (a * b).abs()).sum::<f64>();
@@ -143,8 +146,7 @@ fn one_by_one(
         let Some(row) = flow.event_row(&field, contact, event) else { return Ok(None) };
         let rate = Flow::rate(&field, &y);
         let slope = row.dot(&rate);
-        let bound: f64 = row.iter().zip(&rate).map(|(a, b)| (a * b).abs()).sum();
-        if !(slope.abs() > 1e-12 * bound) {
+        if is_tangential(&row, &rate, slope) {
             return Ok(None);
         }
         let mut then = states.clone();

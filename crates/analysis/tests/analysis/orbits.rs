@@ -4,7 +4,7 @@
 use amontons::integrator::{Event, Motion};
 use amontons::scene::{Scene, builtin, parse};
 use amontons::simulation::Simulation;
-use amontons_analysis::assign::assign;
+use amontons_analysis::assign::{assign, value_of};
 use amontons_analysis::orbit::{
     Branch, BranchEnd, Chain, Continued, Flow, NoOrbit, Orbit, SpecialKind, Start, branch, search,
 };
@@ -57,12 +57,7 @@ fn follow(scene: &Scene, name: &str, range: [f64; 2], chain: &Chain) -> Branch {
         assign(&mut scene, name, value)?;
         Flow::of(&mut Simulation::new(scene, 0.0)?)
     };
-    let mut here = amontons::simulation::Parameters::of(scene.clone())
-        .iter()
-        .find(|(variable, _)| variable.name == name)
-        .map(|(_, value)| value)
-        .unwrap();
-    here = here.clamp(range[0], range[1]);
+    let here = value_of(scene, name).unwrap().clamp(range[0], range[1]);
     let continued = Continued { flow_at: &flow_at, range, most_points: 400, goes_on: &|_| true };
     branch(&continued, chain, here).unwrap().unwrap()
 }
@@ -370,4 +365,54 @@ fn what_is_no_orbit_is_named() {
     paper.set_integrator(Some(amontons::scene::Method::ForwardIncrement), Some(1e-6)).unwrap();
     let error = Flow::of(&mut Simulation::new(paper, 0.0).unwrap()).err().unwrap().to_string();
     assert!(error.contains("event-driven"), "{error}");
+}
+
+/// A contact that is always closed holds its gap and its rate, although no event puts them to zero.
+#[test]
+fn a_driven_motion_without_any_event_is_an_orbit() {
+    let text = "[slider]\nvelocity = 0.1\nangle = 0.0\n[friction]\ncoefficient = 0.3\n\
+        [[mass]]\nname = \"block\"\nmass = 1.0\nforce = [0.0, -10.0]\n\
+        [[spring]]\nname = \"k\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\nstiffness = 100.0\n\
+        [[damper]]\nname = \"d\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\ndamping = 0.5\n\
+        [[contact]]\nname = \"c\"\nmass = \"block\"\n\
+        [[signal]]\ninput = \"mass.block.fx\"\nsine = { amplitude = 0.01, frequency = 1.0 }\n\
+        [integrator]\nmethod = \"event-driven\"\nstep = 0.02\n";
+    let orbit = orbit(&mut after(parse("sliding", text).unwrap(), 40.0), Some(1.0), 1.0);
+    let omega = 2.0 * PI;
+    let response = 0.01 / ((100.0 - omega * omega).powi(2) + (0.5 * omega).powi(2)).sqrt();
+    near(orbit.extents[0], response, 1e-12);
+    near(orbit.largest_multiplier(), (-0.25_f64).exp(), 1e-13);
+    assert_eq!((orbit.multipliers.len(), orbit.zeros), (2, 2));
+}
+
+/// The contacts of the brake are between masses: what they hold are differences.
+#[test]
+fn contacts_between_masses_hold_their_directions_too() {
+    let (orbit, ..) = solved(&mut after(scene("disc_brake", 2e-5, &[]), 1.0), None, 0.05).unwrap();
+    assert_eq!(orbit.is_stable(), Some(true));
+    assert!((orbit.along.unwrap() - 1.0).abs() < 1e-9);
+    assert_eq!(orbit.multipliers.len() + 1 + orbit.zeros, 10);
+}
+
+/// Over this range an event passes the instant at which the period of the drive begins.
+#[test]
+fn a_branch_goes_on_where_an_event_passes_the_beginning_of_the_period() {
+    let scene = scene("den_hartog", 1e-2, &[]);
+    let (_, chain, _) = solved(&mut after(scene.clone(), 40.0), Some(0.4), 0.4).unwrap();
+    let branch = follow(&scene, "friction.coefficient", [0.05, 0.98], &chain);
+    assert_eq!(branch.ends, [BranchEnd::Range; 2]);
+    // Sticking begins once; nothing else is special.
+    assert_eq!(branch.specials.len(), 1, "{:?}", branch.specials);
+}
+
+/// A slip that starts from rest under A sin(ω t) needs A > µ N: at 3 N the motion ends.
+#[test]
+fn a_branch_over_the_amplitude_of_a_force_ends_where_friction_holds_the_mass() {
+    let scene = scene("den_hartog", 1e-2, &[]);
+    let (_, chain, _) = solved(&mut after(scene.clone(), 40.0), Some(0.4), 0.4).unwrap();
+    let branch = follow(&scene, "signal[1].amplitude", [1.0, 20.0], &chain);
+    assert!(matches!(branch.ends, [BranchEnd::Grazing(_), BranchEnd::Range]), "{:?}", branch.ends);
+    let first = &branch.points[0];
+    assert!((3.0..3.001).contains(&first.parameter), "{}", first.parameter);
+    assert!(first.orbit.extents[0] < 1e-9);
 }

@@ -98,9 +98,9 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Orbit, amontons::Error> {
             )));
         }
     }
-    let numbers = orbit.displacement.iter().chain(&orbit.velocity).chain([&orbit.period]);
-    let are_finite = numbers.into_iter().fold(true, |all, number| all && number.is_finite());
-    if !are_finite || orbit.period <= 0.0 {
+    let are_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
+    let is_finite = are_finite(&orbit.displacement) && are_finite(&orbit.velocity);
+    if !is_finite || !orbit.period.is_finite() || orbit.period <= 0.0 {
         return Err(wrong("the orbit has numbers that no orbit has".to_owned()));
     }
     Ok(orbit)
@@ -122,7 +122,7 @@ fn rows(scene: &Scene, orbit: &Orbit) -> Vec<Vec<[String; 5]>> {
             [
                 format!("{:?}", instant.time),
                 format!("{:?}", instant.time / orbit.period),
-                scene.contact_name(*contact).to_string(),
+                scene.contact_name(*contact),
                 words(*event).to_owned(),
                 states.clone(),
             ]
@@ -188,9 +188,18 @@ fn print(scene: &Scene, FoundOrbit { orbit, boundary, .. }: &FoundOrbit) {
 
 /// A multiplier in words; `None` of the second of a conjugate pair.
 fn multiplier([re, im]: &[f64; 2]) -> Option<String> {
+    /// Smaller ones are written with a power of ten.
+    const SMALL: f64 = 1e-4;
+    let number = |value: f64| {
+        if value != 0.0 && value.abs() < SMALL {
+            format!("{value:.1e}")
+        } else {
+            format!("{value:.6}")
+        }
+    };
     if *im == 0.0 {
-        Some(format!("{re:.6}"))
+        Some(number(*re))
     } else {
-        (*im > 0.0).then(|| format!("{re:.6} ± {im:.6}i"))
+        (*im > 0.0).then(|| format!("{} ± {}i", number(*re), number(*im)))
     }
 }
