@@ -557,15 +557,20 @@ impl Continued<'_> {
         let mut flow = (self.flow_at)(node.parameter).ok()?;
         let linear = node.chain.linear(&mut flow).ok()?;
         let period = node.chain.period();
-        let measure = |k: usize| {
-            let terms = linear[k].row.iter().zip(&linear[k].rate);
-            let terms: f64 = terms.map(|(a, b)| (a * b).abs()).sum();
-            let segment = &node.chain.segments[k];
-            (linear[k].slope.abs() / terms).min(segment.duration / period)
-        };
-        let least = (0..linear.len()).min_by(|a, b| measure(*a).total_cmp(&measure(*b)))?;
-        let stage = node.chain.segments[least].stages.first()?;
-        (measure(least) < SMALL).then(|| stage.events.first().copied()).flatten()
+        let mut least = (SMALL, None);
+        for (segment, linear) in node.chain.segments.iter().zip(&linear) {
+            // The function of the event, by how much it changes within the segment.
+            let field = flow.field(&segment.states).ok()?;
+            let parts = flow.powers(&field, &segment.start, segment.duration);
+            let size =
+                parts.map(|(powers, _)| linear.row.dot(&powers[0]).abs()).fold(0.0, f64::max);
+            let steepness = (linear.slope * segment.duration).abs() / size.max(f64::MIN_POSITIVE);
+            let measure = steepness.min(segment.duration / period);
+            if measure < least.0 {
+                least = (measure, segment.stages.first()?.events.first().copied());
+            }
+        }
+        least.1
     }
 
     /// The continuation of a branch behind a change of the sequence of events; `true` beside it if the parameter turns
