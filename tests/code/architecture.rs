@@ -39,6 +39,7 @@ const PACKAGES: [(&str, &[&str]); 4] = [
             "warning",
             "accuracy",
             "sweep",
+            "orbit",
             "study",
         ],
     ),

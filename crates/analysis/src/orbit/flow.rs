@@ -112,11 +112,6 @@ impl Flow {
     /// coefficient, or if the event-driven method does not support the scene.
     pub fn of(simulation: &mut Simulation) -> Result<Self, Error> {
         let scene = simulation.scene();
-        if scene.method != Method::EventDriven {
-            return Err(Error::scene(
-                "periodic motions are followed in event-driven motion only; use --integrator event-driven",
-            ));
-        }
         check_signals(scene, simulation.time())?;
         let step = scene.step;
         let model = simulation.model().clone();
@@ -663,11 +658,16 @@ fn subtract_column(force: &mut [f64], matrix: &SparseMatrix, column: usize, fact
     }
 }
 
-/// Refuses a sine that drives a friction coefficient.
+/// Refuses a scene that is not in event-driven motion, or in which a sine drives a friction coefficient.
 ///
 /// # Errors
-/// Returns an error that names the signal.
-pub fn check_friction_signals(scene: &Scene) -> Result<(), Error> {
+/// Returns an error that says what would be right, or names the signal.
+pub fn check_method(scene: &Scene) -> Result<(), Error> {
+    if scene.method != Method::EventDriven {
+        return Err(Error::scene(
+            "periodic motions are followed in event-driven motion only; use --integrator event-driven",
+        ));
+    }
     let is_sine = |shape: &Shape| matches!(shape, Shape::Sine(_));
     match scene.signals.iter().find(|signal| signal.drives_friction() && is_sine(&signal.shape)) {
         None => Ok(()),
@@ -680,7 +680,7 @@ pub fn check_friction_signals(scene: &Scene) -> Result<(), Error> {
 
 /// Refuses signals after which the drive is neither constant nor a sum of sines.
 fn check_signals(scene: &Scene, time: f64) -> Result<(), Error> {
-    check_friction_signals(scene)?;
+    check_method(scene)?;
     for signal in scene.signals.iter() {
         let is_over = signal.shape.constant_until(time, 0.0) == f64::INFINITY;
         let is_endless_sine = matches!(

@@ -28,7 +28,7 @@ pub use branch::{
     Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint, branch,
 };
 pub use chain::{Chain, Linear, Segment, Unsolved};
-pub use flow::{Field, Flow, Instant, Stage, check_friction_signals};
+pub use flow::{Field, Flow, Instant, Stage, check_method};
 pub use multipliers::{Multipliers, multipliers};
 pub use search::{NoOrbit, Start, search};
 

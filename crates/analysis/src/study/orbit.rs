@@ -6,7 +6,7 @@ use super::observation::ObservationSettings;
 use super::perturbation::{Direction, perturbation};
 use super::settling::run_to_steady_state;
 use super::{Journal, Push, Watch, drive};
-use crate::orbit::{Chain, Flow, NoOrbit, Orbit, Start, check_friction_signals, search};
+use crate::orbit::{Chain, Flow, NoOrbit, Orbit, Start, check_method, search};
 use amontons::Error;
 use amontons::integrator::Motion;
 use amontons::scene::Scene;
@@ -65,7 +65,7 @@ pub(super) fn solved(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<(FoundOrbit, Chain)>, Error> {
-    check_friction_signals(scene)?;
+    check_method(scene)?;
     let begun = match from {
         From::Run => Begun::by_run(scene, observation, watch)?,
         From::Boundary(direction) => {
@@ -76,7 +76,7 @@ pub(super) fn solved(
     let Some(Begun { mut simulation, start, ending, boundary }) = begun else { return Ok(None) };
     let mut flow = Flow::of(&mut simulation)?;
     let found = search(&mut flow, &start, &|| !watch.is_over());
-    let found = found.map_err(|why| Error::scene(refusal(scene, &why)))?;
+    let found = found.map_err(|why| Error::analysis(refusal(scene, &why)))?;
     Ok(found.map(|(orbit, chain)| (FoundOrbit { orbit, ending, boundary }, chain)))
 }
 
@@ -172,7 +172,7 @@ fn no_period(scene: &Scene, ending: &LongTermMotion) -> Error {
         Kind::Irregular => "it is irregular: it never comes back",
         Kind::Periodic | Kind::Undecided => "its period is not known",
     };
-    Error::scene(format!(
+    Error::analysis(format!(
         "the motion of {name} from its start is not periodic: {what}. Other starts: --set initial.NAME=VALUE, a known orbit \
          with --from, or the boundary between two motions with --between"
     ))

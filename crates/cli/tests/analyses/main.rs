@@ -12,6 +12,7 @@ mod stability_command_line;
 mod study_basin;
 mod study_continuation;
 mod study_limit_cycle;
+mod study_orbit;
 mod study_perturbation;
 mod sweep;
 mod transient;

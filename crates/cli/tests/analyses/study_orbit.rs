@@ -1,0 +1,87 @@
+//! Tests of the commands for periodic motions and their branches.
+
+use crate::program::{assert_refused, folder, run, text};
+use std::path::Path;
+use std::process::Output;
+
+fn amontons(folder: &Path, arguments: &[&str]) -> Output {
+    run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
+}
+
+/// The rows of a CSV file below its head.
+fn rows(path: &Path) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+/// The motion between rest and squeal, from a boundary, is where the branch of another command begins; that branch passes
+/// both folds of Set 2.
+#[test]
+fn an_unstable_orbit_from_a_boundary_begins_the_branch_that_joins_both_folds() {
+    let folder = folder();
+    let here = folder.path();
+    let found =
+        amontons(here, &["study", "orbit", "set2", "--between", "module[1].v2=0.1:0.5", "-o", "u"]);
+    let told = text(&found.stdout);
+    assert!(found.status.success(), "{}", text(&found.stderr));
+    assert!(told.contains("unstable; largest multiplier 1.018840"), "{told}");
+    assert_eq!(rows(&here.join("u/results.csv")).len(), 4);
+    let arguments = [
+        "study",
+        "branches",
+        "set2",
+        "--from",
+        "u/orbit.json",
+        "--parameter",
+        "friction.coefficient=1.9:2.2",
+        "-o",
+        "b",
+    ];
+    let found = amontons(here, &arguments);
+    let told = text(&found.stdout);
+    assert!(found.status.success(), "{}", text(&found.stderr));
+    for part in ["2.0749417244", "1.9318803311", "neutral cycles"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    let specials = rows(&here.join("b/specials.csv"));
+    assert_eq!(specials.iter().filter(|row| row[2] == "\"fold\"").count(), 2);
+    assert!(here.join("b/branches.svg").exists());
+    let defects = rows(&here.join("b/results.csv"));
+    assert!(defects.len() > 20);
+    for row in defects {
+        let defect: f64 = row[7].parse().unwrap();
+        assert!(defect < 1e-9, "{row:?}");
+    }
+    // The same command reads the finished branch from its journal.
+    assert_eq!(text(&amontons(here, &arguments).stdout), told);
+}
+
+#[test]
+fn starts_and_parameters_that_make_no_sense_are_refused_with_what_would() {
+    let folder = folder();
+    let here = folder.path();
+    std::fs::write(here.join("no.json"), "{}").unwrap();
+    let refused = |arguments: &[&str], code: i32, words: &[&str]| {
+        let mut all = vec!["study"];
+        all.extend(arguments);
+        assert_refused(&amontons(here, &all), code, words);
+    };
+    refused(&["orbit", "set2", "--from", "no.json"], 1, &["no orbit"]);
+    let rest =
+        ["orbit", "set2", "--set", "initial.module[1].v1=0", "--set", "initial.module[1].v2=0"];
+    let _ = rest;
+    let initial = "initial.module[1].v2=0:1";
+    refused(&["branches", "set2", "--parameter", initial], 2, &["do not depend on initial values"]);
+    refused(&["branches", "set2", "--parameter", "friction.coeficient=1:2"], 2, &["did you mean"]);
+    refused(&["branches", "set2", "--parameter", "friction.coefficient=2:1"], 2, &["below"]);
+    refused(
+        &["branches", "set2", "--parameter", "friction.coefficient=1:2", "--of", "module[1].v1"],
+        2,
+        &["no displacement"],
+    );
+    refused(
+        &["orbit", "set2", "--integrator", "forward-increment", "--step", "1e-6"],
+        1,
+        &["event-driven"],
+    );
+}
