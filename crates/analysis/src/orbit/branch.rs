@@ -10,11 +10,11 @@
 //! none near, it ends there. Points at which the number of multipliers outside the unit circle changes are bisected
 //! too.
 
-use super::Orbit;
 use super::chain::{Chain, Change, Condensed, Rests, Unsolved};
 use super::check::{Difference, compare};
 use super::flow::Flow;
 use super::search::{NoOrbit, Start, orbit, search};
+use super::{KNOWN, Orbit};
 use amontons::Error;
 use amontons::integrator::Event;
 use nalgebra::{DMatrix, DVector};
@@ -38,7 +38,7 @@ const ROUNDING: f64 = 1e-8;
 /// The cosine between the directions of two neighbouring points is at least this.
 const STRAIGHT: f64 = 0.97;
 /// Special points are bisected until their parameter is known to this part of the range.
-const KNOWN: f64 = 1e-13;
+const LOCATED: f64 = 1e-13;
 /// Most bisections.
 const MOST_BISECTIONS: usize = 60;
 /// A motion is at the end of its branch the largest of neutral cycles if contacts leave uniform sliding for less than this
@@ -98,8 +98,8 @@ pub enum BranchEnd {
     /// Where it began.
     Closed,
     /// At a change of the sequence of events, beyond which no motion is near: a discontinuous fold, or a place where the
-    /// motion has no derivative. The event of a contact that appears or vanishes, where it is known.
-    Grazing(Option<(usize, Event)>),
+    /// motion has no derivative. The contact, and its event that appears or vanishes.
+    Grazing(usize, Event),
     /// In a motion without any event, which is linear: one of the neutral cycles of every size at a critical value.
     Linear,
     /// After as many points as were allowed.
@@ -301,6 +301,9 @@ impl Continued<'_> {
         let tangent = (direction.rows(0, motion).into_owned(), direction[motion]);
         let first = in_units(&tangent.0, dofs, chain.scales);
         let change = condensed.direction(&first, tangent.1).ok_or(Missed::Unsolved(None))?;
+        if flow.is_driven() && !flow.returns_after(chain.period()) {
+            return Err(Missed::Unsolved(None));
+        }
         let Difference::None { defect, closure } =
             compare(&chain, &mut flow).map_err(|_| Missed::Unsolved(None))?
         else {
@@ -410,7 +413,7 @@ impl Continued<'_> {
             }
             if !self.is_inside(node.parameter + step * node.tangent.1 * self.width()) {
                 if let Some(last) = self.at_end(&node)? {
-                    self.note_specials(&node, &last, step, points.len() - 1, &mut specials)?;
+                    self.note_specials(&node, &last, points.len() - 1, &mut specials)?;
                     points.push(point(&last));
                     return done(points, specials, BranchEnd::Range);
                 }
@@ -440,7 +443,7 @@ impl Continued<'_> {
                     step *= 0.5;
                     continue;
                 }
-                self.note_specials(&node, &next, step, points.len() - 1, &mut specials)?;
+                self.note_specials(&node, &next, points.len() - 1, &mut specials)?;
                 points.push(point(&next));
                 let (state, parameter, scales) = &start;
                 let dofs = next.orbit.displacement.len();
@@ -465,7 +468,7 @@ impl Continued<'_> {
             let event = event.or_else(|| self.nearest_change(&last));
             let place = points.len() - 1;
             if last.parameter != node.parameter {
-                self.note_specials(&node, &last, step, place, &mut specials)?;
+                self.note_specials(&node, &last, place, &mut specials)?;
             }
             match self.beyond(&last)? {
                 Ok((next, turned)) => {
@@ -491,7 +494,9 @@ impl Continued<'_> {
                     let end = if is_linear && vanishes {
                         BranchEnd::Linear
                     } else {
-                        BranchEnd::Grazing(event)
+                        event.map_or(BranchEnd::NotConverged, |(contact, event)| {
+                            BranchEnd::Grazing(contact, event)
+                        })
                     };
                     return done(points, specials, end);
                 }
@@ -532,7 +537,7 @@ impl Continued<'_> {
         let mut ahead = distance;
         for _ in 0..MOST_BISECTIONS {
             ahead *= 0.5;
-            if ahead <= KNOWN {
+            if ahead <= LOCATED {
                 break;
             }
             match self.confirmed(&last, ahead)? {
@@ -621,15 +626,25 @@ impl Continued<'_> {
         Ok(Err(is_linear))
     }
 
+    /// The distance of a later point along the direction of an earlier one.
+    fn distance(&self, from: &Node, to: &Node) -> f64 {
+        let [before, after] = [from, to].map(|node| &node.chain.segments[0].start);
+        let dofs = from.orbit.displacement.len();
+        let parts = from.tangent.0.iter().enumerate().map(|(i, along)| {
+            along * (after[i] - before[i]) / from.chain.scales[usize::from(i >= dofs)]
+        });
+        parts.sum::<f64>() + from.tangent.1 * (to.parameter - from.parameter) / self.width()
+    }
+
     /// Finds the special points between two neighbouring points.
     fn note_specials(
         &self,
         from: &Node,
         to: &Node,
-        distance: f64,
         place: usize,
         specials: &mut Vec<SpecialPoint>,
     ) -> Result<(), Error> {
+        let distance = self.distance(from, to);
         let turns = from.tangent.1 * to.tangent.1 < 0.0;
         if turns {
             let sign = from.tangent.1;
@@ -670,7 +685,7 @@ impl Continued<'_> {
         let (mut low, mut high) = (0.0, distance);
         let mut found = None;
         for _ in 0..MOST_BISECTIONS {
-            if high - low <= KNOWN {
+            if high - low <= LOCATED {
                 break;
             }
             let middle = f64::midpoint(low, high);
@@ -685,7 +700,7 @@ impl Continued<'_> {
                     found = found.or(Some(node));
                 }
                 Err(Missed::Error(error)) => return Err(error),
-                Err(Missed::Unsolved(_)) => break,
+                Err(Missed::Unsolved(_)) => high = middle,
             }
         }
         Ok(found)
@@ -709,9 +724,9 @@ fn special(node: &Node, kind: SpecialKind, place: usize) -> SpecialPoint {
     SpecialPoint { parameter: node.parameter, kind, orbit: node.orbit.clone(), place }
 }
 
-/// Number of multipliers outside the unit circle.
+/// Number of multipliers outside the unit circle, beyond rounding.
 fn growing(orbit: &Orbit) -> usize {
-    orbit.multipliers.iter().filter(|[re, im]| libm::hypot(*re, *im) > 1.0).count()
+    orbit.multipliers.iter().filter(|[re, im]| libm::hypot(*re, *im) > 1.0 + KNOWN).count()
 }
 
 /// `true` if contacts take the same states in the same order in both, from any instant on.

@@ -82,8 +82,11 @@ fn end_of(
             other => Err(other.and_then(Instant::first_event)),
         });
     }
-    let (_, instants) =
-        flow.run(&motion, time, segment.duration + near, |records| records.len() < 4)?;
+    let (_, instants) = flow.run(&motion, time, segment.duration + near, |records| {
+        records
+            .iter()
+            .all(|record| record.time <= near && record.before.contacts == record.after.contacts)
+    })?;
     let mut instants = instants.iter().filter(|instant| !is_nothing(instant, near));
     let Some(instant) = instants.next() else { return Ok(Err(None)) };
     let is_same =

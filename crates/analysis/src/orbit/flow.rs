@@ -14,10 +14,11 @@ use amontons::integrator::{
 };
 use amontons::model::{Direction, LumpedModel, SparseMatrix};
 use amontons::numerics::max_norm;
-use amontons::scene::{Method, Scene, Shape, Sine};
+use amontons::scene::{Method, Scene, Shape, Signal, Sine};
 use amontons::simulation::Simulation;
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 use std::rc::Rc;
 
 /// Changes of contact states within this part of an internal step are one instant: modules that move in step have
@@ -114,10 +115,14 @@ impl Flow {
         let scene = simulation.scene();
         check_signals(scene, simulation.time())?;
         let step = scene.step;
+        let time = simulation.time();
+        let is_over = |signal: &Signal| matches!(signal.shape, Shape::Sine(Sine { end: Some(end), .. }) if end <= time);
+        let any_is_over = scene.signals.iter().any(is_over);
         let model = simulation.model().clone();
         let inputs = simulation.inputs_now()?.clone();
+        // A sine without amplitude may have one with another value of a parameter; only what is over is left out.
         let waves: Vec<Wave> =
-            inputs.waves.into_iter().filter(|wave| wave.amplitude != 0.0).collect();
+            inputs.waves.into_iter().filter(|wave| wave.amplitude != 0.0 || !any_is_over).collect();
         let (mut force, mut surface) = (inputs.force, inputs.slider_velocity);
         for wave in &waves {
             for &(dof, factor) in &wave.pushes {
@@ -450,6 +455,17 @@ impl Flow {
                 self.friction[contact].static_ * normal - direction * tangential
             }
             Event::Leave(_) | Event::Part => return None,
+        })
+    }
+
+    /// `true` if all sines have turned a whole number of times after this time (s).
+    #[must_use]
+    pub fn returns_after(&self, time: f64) -> bool {
+        /// Turns are whole up to this part of one.
+        const WHOLE: f64 = 1e-9;
+        self.waves.iter().all(|wave| {
+            let turns = wave.pulsation * time / TAU;
+            turns.round() >= 1.0 && (turns - turns.round()).abs() <= WHOLE * turns
         })
     }
 

@@ -36,8 +36,8 @@ use amontons::contact::ContactState;
 use amontons::integrator::Event;
 use serde::{Deserialize, Serialize};
 
-/// A multiplier this near to 1 is that of the direction along a motion without a drive.
-const ALONG: f64 = 1e-6;
+/// Multipliers are known to about this part.
+const KNOWN: f64 = 1e-9;
 
 /// A periodic motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,9 +62,9 @@ pub struct Orbit {
     pub along: Option<f64>,
     /// Number of further multipliers, which are exactly zero: directions that contacts hold at one instant.
     pub zeros: usize,
-    /// The instant (from 0, among the events) whose events have no derivative together, since their order matters: the
-    /// multipliers are those of motions in which they stay together.
-    pub ambiguous: Option<usize>,
+    /// `true` if several events at one instant have no derivative together, since their order matters: the multipliers are
+    /// those of motions in which they stay together.
+    pub ambiguous: bool,
     /// The largest difference between the end of a segment by the event-driven integrator and the beginning of the
     /// next, in parts of the motion's size.
     pub defect: f64,
@@ -91,12 +91,15 @@ impl Orbit {
     /// rounding, or events at one instant have no derivative together.
     #[must_use]
     pub fn is_stable(&self) -> Option<bool> {
-        /// Multipliers are known to about this part.
-        const KNOWN: f64 = 1e-9;
+        // The multiplier along the motion shows how well the others are known.
+        let is_known = self.along.is_none_or(|along| (along - 1.0).abs() < 1e-6);
+        if !is_known || self.multipliers.iter().flatten().any(|part| !part.is_finite()) {
+            return None;
+        }
         let largest = self.largest_multiplier();
         if largest > 1.0 + KNOWN {
             Some(false)
-        } else if largest < 1.0 - KNOWN && self.ambiguous.is_none() {
+        } else if largest < 1.0 - KNOWN && !self.ambiguous {
             Some(true)
         } else {
             None

@@ -7,7 +7,7 @@
 
 use super::chain::{Chain, Linear, Unsolved, is_tangential};
 use super::flow::{Field, Flow, Stage};
-use super::matrix::{null_space, product};
+use super::matrix::{null_space, product, times};
 use amontons::contact::ContactState;
 use amontons::integrator::Event;
 use amontons::stability::eigenvalues;
@@ -24,9 +24,11 @@ pub struct Multipliers {
     pub values: Vec<Complex<f64>>,
     /// Number of further multipliers, which are exactly zero.
     pub zeros: usize,
-    /// The segment that ends in several events at one instant whose order matters: a motion beside this one has no
-    /// derivative there.
-    pub ambiguous: Option<usize>,
+    /// `true` if several events at one instant have no derivative together, since their order matters.
+    pub ambiguous: bool,
+    /// The multiplier of the direction along a motion without a drive, which is left out of `values`: 1 but for
+    /// rounding. `None` under a drive.
+    pub along: Option<f64>,
 }
 
 /// The multipliers of a chain that is solved; `None` where its eigenvalues were not found.
@@ -39,33 +41,40 @@ pub fn multipliers(chain: &Chain, flow: &mut Flow) -> Result<Option<Multipliers>
     let held: Vec<Vec<DVector<f64>>> =
         chain.segments.iter().map(|segment| flow.held_rows(&segment.states)).collect();
     let most = (0..count).max_by_key(|&k| held[k].len()).unwrap_or(0);
-    let mut ambiguous = None;
+    let mut ambiguous = false;
     let units = flow.units()[..motion].to_vec();
     let mut whole = DMatrix::identity(motion, motion);
     for k in (0..count).map(|k| (most + k) % count) {
         let (across, is_one) = across(chain, flow, k, &linear[k])?;
-        if !is_one && ambiguous.is_none() {
-            ambiguous = Some(k);
-        }
+        ambiguous |= !is_one;
         // The places of time are not changed by the motion.
         let part = |matrix: &DMatrix<f64>| matrix.view((0, 0), (motion, motion)).into_owned();
         whole = product(&part(&across), &product(&part(&linear[k].flow), &whole));
     }
     let scaled = DMatrix::from_fn(motion, motion, |i, j| whole[(i, j)] * units[j] / units[i]);
-    let rows: Vec<DVector<f64>> =
+    let mut rows: Vec<DVector<f64>> =
         held[most].iter().map(|row| row.component_mul(&DVector::from_row_slice(&units))).collect();
+    let zeros = motion - null_space(&rows, motion).ncols();
+    // The monodromy matrix maps the rate of the motion to itself, so the others are those of the space across it.
+    let mut along = None;
+    if !flow.is_driven() {
+        let field = flow.field(&chain.segments[most].states)?;
+        let rate = Flow::rate(&field, &chain.segments[most].start);
+        let rate = DVector::from_fn(motion, |i, _| rate[i] / units[i]);
+        along = Some(rate.dot(&times(&scaled, &rate)) / rate.dot(&rate));
+        rows.push(rate);
+    }
     let basis = null_space(&rows, motion);
     let free = product(&basis.transpose(), &product(&scaled, &basis));
-    let zeros = motion - basis.ncols();
     if free.is_empty() {
-        return Ok(Some(Multipliers { values: Vec::new(), zeros, ambiguous }));
+        return Ok(Some(Multipliers { values: Vec::new(), zeros, ambiguous, along }));
     }
     let Some(mut values) = eigenvalues(free) else { return Ok(None) };
     let conjugates_last = |value: &Complex<f64>| value.im < 0.0;
     values.sort_by(|a, b| {
         b.norm().total_cmp(&a.norm()).then(conjugates_last(a).cmp(&conjugates_last(b)))
     });
-    Ok(Some(Multipliers { values, zeros, ambiguous }))
+    Ok(Some(Multipliers { values, zeros, ambiguous, along }))
 }
 
 /// The saltation matrix at the end of a segment; `false` if it depends on the order of events at one instant.
@@ -76,19 +85,33 @@ fn across(
     linear: &Linear,
 ) -> Result<(DMatrix<f64>, bool), Unsolved> {
     let segment = &chain.segments[k];
-    let mut events: Vec<(usize, Event)> =
-        segment.stages.iter().flat_map(|stage| stage.events.iter().copied()).collect();
+    let vanishes = |row: &DVector<f64>| {
+        let terms = row.iter().zip(&linear.before).map(|(a, b)| (a * b).abs()).sum::<f64>();
+        row.dot(&linear.before).abs() <= SAME * terms
+    };
+    let field = flow.field(&segment.states)?;
+    let mut events: Vec<Cause> = Vec::new();
+    for (place, stage) in segment.stages.iter().enumerate() {
+        for &(contact, event) in &stage.events {
+            // What a first event causes in turn is a part of it.
+            let is_caused = place > 0
+                && !flow.event_row(&field, contact, event).is_some_and(|row| vanishes(&row));
+            if is_caused || events.iter().any(|known| known.contact == contact) {
+                continue;
+            }
+            let impact = stage.impact.clone().filter(|_| event == Event::Touch);
+            events.push(Cause { contact, event, impact });
+        }
+    }
     if segment.stages.iter().all(|stage| stage.impact.is_none()) {
-        let field = flow.field(&segment.states)?;
         let next = &chain.segments[(k + 1) % chain.segments.len()].states;
         for (contact, (before, after)) in segment.states.iter().zip(next).enumerate() {
-            let has_one = events.iter().any(|event| event.0 == contact);
+            let has_one = events.iter().any(|known| known.contact == contact);
             let event = implied(*before, *after).filter(|_| !has_one);
             let Some(event) = event else { continue };
             let Some(row) = flow.event_row(&field, contact, event) else { continue };
-            let terms = row.iter().zip(&linear.before).map(|(a, b)| (a * b).abs()).sum::<f64>();
-            if row.dot(&linear.before).abs() <= SAME * terms {
-                events.push((contact, event));
+            if vanishes(&row) {
+                events.push(Cause { contact, event, impact: None });
             }
         }
     }
@@ -96,10 +119,10 @@ fn across(
         return Ok((linear.saltation(), true));
     }
     let next = &chain.segments[(k + 1) % chain.segments.len()].states;
-    let backwards: Vec<(usize, Event)> = events.iter().rev().copied().collect();
+    let backwards: Vec<Cause> = events.iter().rev().cloned().collect();
     let mut found: Vec<DMatrix<f64>> = Vec::new();
     for order in [events, backwards] {
-        match one_by_one(flow, &segment.states, next, &order, segment.stages.first(), linear) {
+        match one_by_one(flow, &segment.states, next, &order, linear) {
             Ok(Some(matrix)) => found.push(matrix),
             Ok(None) => return Ok((linear.saltation(), false)),
             Err(failure) => return Err(failure),
@@ -114,6 +137,15 @@ fn across(
     let [forth, back] = [0, 1].map(|order: usize| on_allowed(&found[order]));
     let is_one = (&forth - &back).amax() <= SAME * forth.amax().max(1.0);
     Ok((if is_one { found.swap_remove(0) } else { linear.saltation() }, is_one))
+}
+
+/// An event of one contact, among several at one instant.
+#[derive(Clone)]
+struct Cause {
+    contact: usize,
+    event: Event,
+    /// The impact in which a contact that touches takes part.
+    impact: Option<Vec<ContactState>>,
 }
 
 /// The event of a contact that changes its state so. A contact in step with another one has it too, although the law may
@@ -134,14 +166,14 @@ fn one_by_one(
     flow: &mut Flow,
     before: &[ContactState],
     after: &[ContactState],
-    order: &[(usize, Event)],
-    first: Option<&Stage>,
+    order: &[Cause],
     linear: &Linear,
 ) -> Result<Option<DMatrix<f64>>, Unsolved> {
     let mut states = before.to_vec();
     let mut y = linear.before.clone();
     let mut whole = DMatrix::identity(flow.size(), flow.size());
-    for &(contact, event) in order {
+    for Cause { contact, event, impact } in order {
+        let (contact, event) = (*contact, *event);
         let field: Rc<Field> = flow.field(&states)?;
         let Some(row) = flow.event_row(&field, contact, event) else { return Ok(None) };
         let rate = Flow::rate(&field, &y);
@@ -151,19 +183,21 @@ fn one_by_one(
         }
         let mut then = states.clone();
         then[contact] = after[contact];
-        let impact = first.and_then(|stage| stage.impact.clone()).map(|mut impact| {
-            // The other contacts have impacts of their own.
-            for (i, state) in impact.iter_mut().enumerate() {
-                if i != contact && order.contains(&(i, Event::Touch)) {
-                    *state = ContactState::Detached;
+        let impact = impact.clone().map(|mut impact| {
+            // Contacts that land later have impacts of their own.
+            for (i, struck) in impact.iter_mut().enumerate() {
+                let lands_later =
+                    order.iter().any(|other| other.contact == i && other.event == Event::Touch)
+                        && states[i] == ContactState::Detached;
+                if i != contact && lands_later {
+                    *struck = ContactState::Detached;
                 }
             }
             impact
         });
-        let impact = impact.filter(|_| event == Event::Touch);
         let stage = Stage { events: vec![(contact, event)], impact, states: then.clone() };
         let reset = flow.reset(&states, &stage)?;
-        let next = super::matrix::times(&reset, &y);
+        let next = times(&reset, &y);
         let rate_after = Flow::rate(&*flow.field(&then)?, &next);
         let alone = Linear {
             flow: DMatrix::identity(0, 0),

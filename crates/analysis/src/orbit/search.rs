@@ -5,7 +5,7 @@ use super::check::{Difference, compare};
 use super::extremes::extremes;
 use super::flow::{Flow, Instant};
 use super::multipliers::{Multipliers, implied, multipliers};
-use super::{ALONG, Orbit, OrbitEvent};
+use super::{Orbit, OrbitEvent};
 use amontons::integrator::{Event, EventRecord, Motion, StepFailure};
 use std::fmt;
 
@@ -46,6 +46,10 @@ pub enum NoOrbit {
     },
     /// Contacts hold more directions than their masses have, and an event among them has no function.
     Overheld,
+    /// Sines drive the motion that have no common period, or none that is known.
+    NoCommonPeriod,
+    /// The eigenvalues of the monodromy matrix were not found.
+    NoMultipliers,
     /// The iteration ended at a distance from a periodic motion.
     NotConverged {
         /// The largest gap that was left, in parts of the motion's size.
@@ -82,6 +86,10 @@ impl fmt::Display for NoOrbit {
                 "contacts hold more directions than their masses have, and the instant at which they part has no \
                  derivative",
             ),
+            Self::NoCommonPeriod => f.write_str(
+                "the sines that drive it have no common period that is short enough to be followed",
+            ),
+            Self::NoMultipliers => f.write_str("the eigenvalues of its monodromy matrix were not found"),
             Self::NotConverged { rest, grazing, sequences } => {
                 write!(
                     f,
@@ -111,6 +119,9 @@ pub fn search(
     goes_on: &dyn Fn() -> bool,
 ) -> Result<Option<(Orbit, Chain)>, NoOrbit> {
     let mut start = start.clone();
+    if flow.is_driven() && !start.period.is_some_and(|period| flow.returns_after(period)) {
+        return Err(NoOrbit::NoCommonPeriod);
+    }
     let mut best = (f64::INFINITY, None);
     for sequences in 1..=MOST_SEQUENCES {
         if !goes_on() {
@@ -131,6 +142,10 @@ pub fn search(
                 if let Some(shorter) = shorter {
                     chain = shorter;
                     let _ = chain.solve(flow);
+                }
+                if let Some(shorter) = shorter_drive(&chain, flow)? {
+                    start.period = Some(shorter);
+                    continue;
                 }
                 if let Difference::None { defect, closure } = compare(&chain, flow)? {
                     return Ok(Some((orbit(&chain, flow, [defect, closure])?, chain)));
@@ -155,6 +170,28 @@ pub fn search(
     }
     let (rest, grazing) = best;
     Err(NoOrbit::NotConverged { rest, grazing, sequences: MOST_SEQUENCES })
+}
+
+/// The shortest period under a drive after which a motion repeats itself, if that is a part of the chain's.
+fn shorter_drive(chain: &Chain, flow: &mut Flow) -> Result<Option<f64>, StepFailure> {
+    /// Most periods of the drive in one of the motion.
+    const MOST: u32 = 64;
+    if !flow.is_driven() {
+        return Ok(None);
+    }
+    for parts in (2..=MOST).rev() {
+        let period = chain.period() / f64::from(parts);
+        if !flow.returns_after(period) {
+            continue;
+        }
+        let later = chain.begun_later(flow, period)?;
+        let [now, then] = [&chain.segments[0], &later.segments[0]];
+        if now.states == then.states && chain.size(flow.dofs(), &(&then.start - &now.start)) < 1e-8
+        {
+            return Ok(Some(period));
+        }
+    }
+    Ok(None)
 }
 
 /// The chain of a run from the start until it nearly comes back. Under a drive `again` runs one period before: contacts
@@ -236,8 +273,7 @@ pub(super) fn orbit(
         Unsolved::Failed(failure) => NoOrbit::Failed(failure),
         _ => NoOrbit::Overheld,
     })?;
-    let Multipliers { values, zeros, ambiguous } =
-        found.unwrap_or(Multipliers { values: Vec::new(), zeros: 0, ambiguous: None });
+    let Multipliers { values, zeros, ambiguous, along } = found.ok_or(NoOrbit::NoMultipliers)?;
     let driven = flow.is_driven();
     // An orbit under a drive is told from time 0 on.
     let turned;
@@ -247,15 +283,7 @@ pub(super) fn orbit(
     } else {
         chain
     };
-    let mut rest: Vec<[f64; 2]> = values.iter().map(|value| [value.re, value.im]).collect();
-    let mut along = None;
-    if !driven {
-        let off = |value: &[f64; 2]| libm::hypot(value[0] - 1.0, value[1]);
-        let nearest = (0..rest.len()).min_by(|a, b| off(&rest[*a]).total_cmp(&off(&rest[*b])));
-        if let Some(place) = nearest.filter(|place| off(&rest[*place]) < ALONG) {
-            along = Some(rest.remove(place)[0]);
-        }
-    }
+    let multipliers = values.iter().map(|value| [value.re, value.im]).collect();
     let extents = extremes(chain, flow)?.iter().map(|[least, most]| 0.5 * (most - least)).collect();
     let first = &chain.segments[0];
     let motion = flow.motion(&first.start, &first.states);
@@ -286,7 +314,7 @@ pub(super) fn orbit(
         states: motion.contacts,
         events,
         extents,
-        multipliers: rest,
+        multipliers,
         along,
         zeros,
         ambiguous,

@@ -177,7 +177,7 @@ fn stick_slip_ends_where_slip_returns_tangentially_to_the_belt() {
 
         near(last.parameter / speed, wanted, 1e-10);
         assert!(
-            matches!(branch.ends, [BranchEnd::Range, BranchEnd::Grazing(_)]),
+            matches!(branch.ends, [BranchEnd::Range, BranchEnd::Grazing(..)]),
             "{:?}",
             branch.ends
         );
@@ -267,15 +267,17 @@ fn multipliers_of_lift_off_and_landing_are_those_of_differences() {
         .map(|contact| 4 * contact + 3)
         .collect();
     let free: Vec<usize> = (0..16).filter(|place| !closed.contains(&(place % 8))).collect();
-    let differences = by_differences(&mut flow, &chain, &free);
+    let mut differences = by_differences(&mut flow, &chain, &free);
     assert!(orbit.along.is_some_and(|along| (along - 1.0).abs() < 1e-9), "{:?}", orbit.along);
     let mut wanted: Vec<[f64; 2]> = orbit.multipliers.clone();
     wanted.push([orbit.along.unwrap(), 0.0]);
     for [re, im] in wanted {
         let off = |found: &&(f64, f64)| (found.0 - re).hypot(found.1 - im);
-        let nearest = differences.iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
-        assert!(off(&nearest) < 1e-5, "{re} {im}: {differences:?}");
+        let nearest = differences.iter().min_by(|a, b| off(a).total_cmp(&off(b))).copied().unwrap();
+        assert!(off(&&nearest) < 1e-5, "{re} {im}: {differences:?}");
+        differences.retain(|value| *value != nearest);
     }
+    assert!(differences.iter().all(|value| value.0.hypot(value.1) < 1e-5), "{differences:?}");
 }
 
 /// Set 2 at µ = 1.96 rests or squeals, by its push. Between the two is an unstable orbit, and a run from the boundary
@@ -391,7 +393,8 @@ fn contacts_between_masses_hold_their_directions_too() {
     let (orbit, ..) = solved(&mut after(scene("disc_brake", 2e-5, &[]), 1.0), None, 0.05).unwrap();
     assert_eq!(orbit.is_stable(), Some(true));
     assert!((orbit.along.unwrap() - 1.0).abs() < 1e-9);
-    assert_eq!(orbit.multipliers.len() + 1 + orbit.zeros, 10);
+    // Both gaps with their rates, and the slip of the one that sticks.
+    assert_eq!((orbit.multipliers.len(), orbit.zeros), (4, 5));
 }
 
 /// Over this range an event passes the instant at which the period of the drive begins.
@@ -403,6 +406,7 @@ fn a_branch_goes_on_where_an_event_passes_the_beginning_of_the_period() {
     assert_eq!(branch.ends, [BranchEnd::Range; 2]);
     // Sticking begins once; nothing else is special.
     assert_eq!(branch.specials.len(), 1, "{:?}", branch.specials);
+    assert!(matches!(branch.specials[0].kind, SpecialKind::Sequence(Some((0, Event::Stop)))));
 }
 
 /// A slip that starts from rest under A sin(ω t) needs A > µ N: at 3 N the motion ends.
@@ -411,7 +415,7 @@ fn a_branch_over_the_amplitude_of_a_force_ends_where_friction_holds_the_mass() {
     let scene = scene("den_hartog", 1e-2, &[]);
     let (_, chain, _) = solved(&mut after(scene.clone(), 40.0), Some(0.4), 0.4).unwrap();
     let branch = follow(&scene, "signal[1].amplitude", [1.0, 20.0], &chain);
-    assert!(matches!(branch.ends, [BranchEnd::Grazing(_), BranchEnd::Range]), "{:?}", branch.ends);
+    assert!(matches!(branch.ends, [BranchEnd::Grazing(..), BranchEnd::Range]), "{:?}", branch.ends);
     let first = &branch.points[0];
     assert!((3.0..3.001).contains(&first.parameter), "{}", first.parameter);
     assert!(first.orbit.extents[0] < 1e-9);

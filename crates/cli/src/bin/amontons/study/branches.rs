@@ -80,8 +80,15 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
         starts.insert(0, ("a run".to_owned(), From::Run));
     }
     let labels: Vec<String> = starts.iter().map(|(label, _)| label.clone()).collect();
+    let orbits: Vec<_> = starts
+        .iter()
+        .filter_map(|(_, start)| match start {
+            From::Orbit(orbit) => Some(orbit),
+            From::Run | From::Boundary(_) => None,
+        })
+        .collect();
     let settings = json!({
-        "look": observation, "parameter": name, "range": range, "points": arguments.points,
+        "from": orbits, "look": observation, "parameter": name, "range": range, "points": arguments.points,
     });
     let folder = Folder::open(common, "branches", (&scene, &source), settings)?;
     let question =
@@ -204,12 +211,11 @@ fn end(scene: &Scene, end: &BranchEnd) -> String {
     match end {
         BranchEnd::Range => "the end of the range".to_owned(),
         BranchEnd::Closed => "the branch is closed".to_owned(),
-        BranchEnd::Grazing(Some((contact, event))) => format!(
+        BranchEnd::Grazing(contact, event) => format!(
             "there {} {} tangentially, and no motion is near beyond",
             scene.contact_name(*contact),
             words(*event)
         ),
-        BranchEnd::Grazing(None) => "no motion is near beyond".to_owned(),
         BranchEnd::Linear => {
             "there all contacts begin to slide all the time: the largest of the neutral cycles"
                 .to_owned()

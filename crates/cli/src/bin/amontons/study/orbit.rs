@@ -57,7 +57,11 @@ pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
         }),
         (None, None) => From::Run,
     };
-    let settings = json!({ "look": observation, "between": between, "from": from });
+    let known = match &start {
+        From::Orbit(orbit) => Some(orbit),
+        From::Run | From::Boundary(_) => None,
+    };
+    let settings = json!({ "look": observation, "between": between, "from": known });
     let folder = Folder::open(common, "orbit", (&scene, &source), settings)?;
     let found = watched(|watch| orbit(&scene, &observation, &start, folder.journal(), watch))?;
     let Some(found) = found else { return Err(interrupted(&folder)) };
@@ -159,7 +163,7 @@ fn print(scene: &Scene, FoundOrbit { orbit, boundary, .. }: &FoundOrbit) {
     let stability = match orbit.is_stable() {
         Some(true) => "stable",
         Some(false) => "unstable",
-        None if orbit.ambiguous.is_some() => {
+        None if orbit.ambiguous => {
             "stability unknown: events at one instant depend on their order for motions beside this one"
         }
         None => "at the limit of stability",
