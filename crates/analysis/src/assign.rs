@@ -65,10 +65,10 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     }
     if name.starts_with("signal[") {
         return Err(Error::argument(format!(
-            "there is no {name} in {}, which has {} signals: a sine has signal[N].amplitude, .frequency and .phase, a \
-             constant or a pulse has signal[N].value, with N from 1 in the order of the file",
-            scene.name,
-            scene.signals.len()
+            "{} has no {name}: a sine has signal[N].amplitude, .frequency and .phase, a constant or a pulse has \
+             signal[N].value, with N from 1 in the order of the file; other signals have no such values, and analyses at \
+             one instant leave all signals out",
+            scene.name
         )));
     }
     if let Some(output) = variables(scene).iter().find(|variable| variable.name == name) {

@@ -488,9 +488,7 @@ impl Continued<'_> {
                 }
                 Err(is_linear) => {
                     points.push(point(&last));
-                    let durations = last.chain.segments.iter().map(|segment| segment.duration);
-                    let rest = last.chain.period() - durations.fold(0.0, f64::max);
-                    let vanishes = rest < VANISHED * last.chain.period();
+                    let vanishes = last.chain.part_away_from_longest() < VANISHED;
                     let end = if is_linear && vanishes {
                         BranchEnd::Linear
                     } else {

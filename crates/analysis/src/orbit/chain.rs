@@ -249,6 +249,14 @@ impl Chain {
         self.segments.iter().map(|segment| segment.duration).sum()
     }
 
+    /// The part of the period in which contacts are not in the states of the longest segment.
+    pub(super) fn part_away_from_longest(&self) -> f64 {
+        let longest = self.segments.iter().max_by(|a, b| a.duration.total_cmp(&b.duration));
+        let away = |segment: &&Segment| longest.is_some_and(|other| segment.states != other.states);
+        let away = self.segments.iter().filter(away).map(|segment| segment.duration);
+        away.sum::<f64>() / self.period()
+    }
+
     /// The times at which segments begin, s.
     pub(super) fn times(&self, flow: &Flow) -> Vec<f64> {
         let mut time = flow.time_of(self.turn);

@@ -97,6 +97,11 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
         branches(&scene, &observation, &question, folder.journal(), watch)
     })?;
     let Some(found) = found else { return Err(interrupted(&folder)) };
+    if let (Some(Err(why)), true) =
+        (found.branches.first(), found.branches.iter().all(Result::is_err))
+    {
+        return Err(amontons::Error::analysis(why.clone()).into());
+    }
     write(&folder, name, dof, &found)?;
     folder.write_json(json!({ "starts": labels, "found": found }))?;
     folder.draw("branches", &chart(&scene, name, *range, dof, &found))?;
