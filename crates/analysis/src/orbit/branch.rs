@@ -10,7 +10,7 @@
 //! none near, it ends there. Points at which the number of multipliers outside the unit circle changes are bisected
 //! too.
 
-use super::chain::{Chain, Change, Condensed, Rests, Unsolved};
+use super::chain::{Chain, Change, Condensed, Residuals, Unsolved};
 use super::check::{Difference, compare};
 use super::flow::Flow;
 use super::search::{NoOrbit, Start, orbit, search};
@@ -251,22 +251,23 @@ impl Continued<'_> {
     }
 
     /// The derivative of what is left of a chain's equations by the parameter in units of its range.
-    fn by_parameter(&self, chain: &Chain, parameter: f64) -> Result<Rests, Missed> {
-        let rests = |parameter: f64| -> Result<Rests, Missed> {
+    fn by_parameter(&self, chain: &Chain, parameter: f64) -> Result<Residuals, Missed> {
+        let residuals = |parameter: f64| -> Result<Residuals, Missed> {
             let mut flow = (self.flow_at)(parameter)?;
             let mut chain = chain.clone();
             chain.set_times(&flow);
-            Ok(chain.rests(&mut flow)?)
+            Ok(chain.residuals(&mut flow)?)
         };
         // The scene may have no values beyond the range.
         let apart = APART * self.width();
         let centre = parameter.clamp(self.range[0] + apart, self.range[1] - apart);
         let [from, to] = [centre - apart, centre + apart];
-        let [low, high] = [rests(from)?, rests(to)?];
+        let [low, high] = [residuals(from)?, residuals(to)?];
         let factor = self.width() / (to - from);
-        let gaps = high.gaps.iter().zip(&low.gaps).map(|(high, low)| (high - low) * factor);
+        let defects =
+            high.defects.iter().zip(&low.defects).map(|(high, low)| (high - low) * factor);
         let values = high.values.iter().zip(&low.values).map(|(high, low)| (high - low) * factor);
-        Ok(Rests { gaps: gaps.collect(), values: values.collect() })
+        Ok(Residuals { defects: defects.collect(), values: values.collect() })
     }
 
     /// A solved chain as a point, with its direction: that of `before`, or the one in which the parameter has this
@@ -282,9 +283,9 @@ impl Continued<'_> {
         let dofs = flow.dofs();
         chain.set_scales(&mut flow).map_err(|_| Missed::Unsolved(None))?;
         let linear = chain.linear(&mut flow)?;
-        let rests = chain.rests(&mut flow)?;
+        let residuals = chain.residuals(&mut flow)?;
         let by_parameter = self.by_parameter(&chain, parameter)?;
-        let condensed = Condensed::of(&linear, &rests, Some(&by_parameter));
+        let condensed = Condensed::of(&linear, &residuals, Some(&by_parameter));
         let (closure, _, right) = condensed.closure(dofs, chain.scales);
         let motion = right.len();
         let plain = (DVector::zeros(motion), 1.0);
@@ -328,11 +329,11 @@ impl Continued<'_> {
         let mut by_parameter = None;
         for _ in 0..MOST_CORRECTIONS {
             let linear = chain.linear(&mut flow)?;
-            let rests = chain.rests(&mut flow)?;
+            let residuals = chain.residuals(&mut flow)?;
             if by_parameter.is_none() {
                 by_parameter = Some(self.by_parameter(&chain, parameter)?);
             }
-            let condensed = Condensed::of(&linear, &rests, by_parameter.as_ref());
+            let condensed = Condensed::of(&linear, &residuals, by_parameter.as_ref());
             let (closure, own, right) = condensed.closure(dofs, scales);
             let motion = own.len();
             let gone = DVector::from_fn(motion, |i, _| {
@@ -340,10 +341,10 @@ impl Continued<'_> {
             });
             let gone =
                 from.tangent.0.dot(&gone) + from.tangent.1 * (parameter - from.parameter) / width;
-            let mut rest = DVector::zeros(motion + 1);
-            rest.rows_mut(0, motion).copy_from(&own);
-            rest[motion] = distance - gone;
-            let solved = bordered(&closure, &right, &from.tangent).lu().solve(&rest);
+            let mut residual = DVector::zeros(motion + 1);
+            residual.rows_mut(0, motion).copy_from(&own);
+            residual[motion] = distance - gone;
+            let solved = bordered(&closure, &right, &from.tangent).lu().solve(&residual);
             let solved = solved.ok_or(Missed::Unsolved(None))?;
             let first = in_units(&solved.rows(0, motion).into_owned(), dofs, scales);
             let change = condensed.expand(&first, solved[motion]).ok_or(Missed::Unsolved(None))?;

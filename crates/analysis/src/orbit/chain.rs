@@ -321,9 +321,9 @@ impl Chain {
     ///
     /// # Errors
     /// Returns the segment that ends in an event without a function.
-    pub(super) fn rests(&self, flow: &mut Flow) -> Result<Rests, Unsolved> {
+    pub(super) fn residuals(&self, flow: &mut Flow) -> Result<Residuals, Unsolved> {
         let count = self.segments.len();
-        let (mut gaps, mut values) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let (mut defects, mut values) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for (k, segment) in self.segments.iter().enumerate() {
             let field = flow.field(&segment.states)?;
             let before = flow.propagate(&field, &segment.start, segment.duration);
@@ -336,26 +336,27 @@ impl Chain {
                 reached = times(&flow.reset(states, stage)?, &reached);
                 states = &stage.states;
             }
-            gaps.push(reached - &self.segments[(k + 1) % count].start);
+            defects.push(reached - &self.segments[(k + 1) % count].start);
         }
-        Ok(Rests { gaps, values })
+        Ok(Residuals { defects, values })
     }
 
-    /// The largest rest, in parts of the motion's size and of its period.
-    fn largest_rest(&self, dofs: usize, linear: &[Linear], rests: &Rests) -> f64 {
+    /// The largest residual, in parts of the motion's size and of its period.
+    fn largest_residual(&self, dofs: usize, linear: &[Linear], residuals: &Residuals) -> f64 {
         let period = self.period();
-        let gaps = rests.gaps.iter().map(|gap| self.size(dofs, gap)).fold(0.0, f64::max);
-        let misses = rests.values.iter().zip(linear);
+        let defects = residuals.defects.iter();
+        let defects = defects.map(|defect| self.size(dofs, defect)).fold(0.0, f64::max);
+        let misses = residuals.values.iter().zip(linear);
         let misses = misses.map(|(value, linear)| (value / linear.slope).abs() / period);
-        misses.fold(gaps, f64::max)
+        misses.fold(defects, f64::max)
     }
 
     /// The largest gap between the end of a segment and the beginning of the next, in parts of the motion's size, or by
     /// which an event is missed, in parts of the period; `None` where the chain has no derivative.
     pub fn largest_gap(&self, flow: &mut Flow) -> Option<f64> {
         let linear = self.linear(flow).ok()?;
-        let rests = self.rests(flow).ok()?;
-        Some(self.largest_rest(flow.dofs(), &linear, &rests))
+        let residuals = self.residuals(flow).ok()?;
+        Some(self.largest_residual(flow.dofs(), &linear, &residuals))
     }
 
     /// Corrects the chain until all its equations are met to rounding; returns the number of corrections.
@@ -367,9 +368,9 @@ impl Chain {
         let mut last = f64::INFINITY;
         for corrections in 0..MOST_CORRECTIONS {
             let linear = self.linear(flow)?;
-            let rests = self.rests(flow)?;
-            let now = self.largest_rest(dofs, &linear, &rests);
-            let condensed = Condensed::of(&linear, &rests, None);
+            let residuals = self.residuals(flow)?;
+            let now = self.largest_residual(dofs, &linear, &residuals);
+            let condensed = Condensed::of(&linear, &residuals, None);
             let first = condensed.close(dofs, self.scales).ok_or(Unsolved::Stalled)?;
             let change = condensed.expand(&first, 0.0).ok_or(Unsolved::Stalled)?;
             let size = self.size_of(dofs, &change);
@@ -384,7 +385,7 @@ impl Chain {
                 let is_ordered = trial.segments.iter().all(|segment| segment.duration > 0.0);
                 // The rates of events are those before the correction: they measure both alike.
                 let left = if is_ordered {
-                    trial.largest_rest(dofs, &linear, &trial.rests(flow)?)
+                    trial.largest_residual(dofs, &linear, &trial.residuals(flow)?)
                 } else {
                     f64::INFINITY
                 };
@@ -429,9 +430,9 @@ impl Chain {
 }
 
 /// What is left of the equations of a chain.
-pub(super) struct Rests {
+pub(super) struct Residuals {
     /// R y⁻ of each segment minus the beginning of the next.
-    pub gaps: Vec<DVector<f64>>,
+    pub defects: Vec<DVector<f64>>,
     /// h y⁻ of each segment.
     pub values: Vec<f64>,
 }
@@ -463,14 +464,23 @@ struct CondensedState {
 }
 
 impl<'a> Condensed<'a> {
-    /// Condenses the equations; `by_parameter` are the derivatives of the rests by a parameter.
-    pub(super) fn of(linear: &'a [Linear], rests: &Rests, by_parameter: Option<&Rests>) -> Self {
+    /// Condenses the equations; `by_parameter` are the derivatives of the residuals by a parameter.
+    pub(super) fn of(
+        linear: &'a [Linear],
+        residuals: &Residuals,
+        by_parameter: Option<&Residuals>,
+    ) -> Self {
         let size = linear[0].before.len();
         let motion = size - linear[0].times;
-        let misses = |rests: &Rests| -> Vec<f64> {
-            rests.values.iter().zip(linear).map(|(value, linear)| -value / linear.slope).collect()
+        let misses = |residuals: &Residuals| -> Vec<f64> {
+            residuals
+                .values
+                .iter()
+                .zip(linear)
+                .map(|(value, linear)| -value / linear.slope)
+                .collect()
         };
-        let own_misses = misses(rests);
+        let own_misses = misses(residuals);
         let misses_by_parameter = by_parameter.map_or_else(|| vec![0.0; linear.len()], misses);
         let mut now = CondensedState {
             by: DMatrix::identity(size, motion),
@@ -485,11 +495,11 @@ impl<'a> Condensed<'a> {
             let along = times(&linear.reset, &linear.rate);
             now = CondensedState {
                 by: product(&across, &product(&linear.flow, &now.by)),
-                own: onward(&now.own) + &rests.gaps[k] + &along * own_misses[k],
+                own: onward(&now.own) + &residuals.defects[k] + &along * own_misses[k],
                 by_parameter: onward(&now.by_parameter) + &along * misses_by_parameter[k],
             };
-            if let Some(rests) = by_parameter {
-                now.by_parameter += &rests.gaps[k];
+            if let Some(residuals) = by_parameter {
+                now.by_parameter += &residuals.defects[k];
             }
         }
         at.push(now);

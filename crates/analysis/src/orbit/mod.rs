@@ -34,6 +34,7 @@ pub use search::{NoOrbit, Start, search};
 
 use amontons::contact::ContactState;
 use amontons::integrator::Event;
+use amontons::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// Multipliers are known to about this part.
@@ -104,6 +105,24 @@ impl Orbit {
         } else {
             None
         }
+    }
+
+    /// The initial values with which a run of the scene begins on the orbit, by their names in the FMU; the scene has the
+    /// values with which the orbit was found. Contact states follow from them, as at the start of every run.
+    #[must_use]
+    pub fn initial_values(&self, scene: &Scene) -> Vec<(String, f64)> {
+        let velocity_of = |name: &str| match name.rsplit_once('.') {
+            Some((module, key)) if module.starts_with("module[") => {
+                format!("initial.{module}.{}", key.replace('x', "v"))
+            }
+            Some((mass, key)) => format!("initial.{mass}.v{key}"),
+            None => format!("initial.{name}"),
+        };
+        let names = scene.dof_names();
+        let places = names.iter().zip(&self.displacement);
+        let places = places.map(|(name, value)| (format!("initial.{name}"), *value));
+        let speeds = names.iter().zip(&self.velocity);
+        places.chain(speeds.map(|(name, value)| (velocity_of(name), *value))).collect()
     }
 
     /// The largest magnitude of a multiplier, 0 where all are zero.

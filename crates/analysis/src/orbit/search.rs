@@ -53,7 +53,7 @@ pub enum NoOrbit {
     /// The iteration ended at a distance from a periodic motion.
     NotConverged {
         /// The largest gap that was left, in parts of the motion's size.
-        rest: f64,
+        residual: f64,
         /// The time of the instant at which the motion is tangential, s, if that is the reason.
         grazing: Option<f64>,
         /// Number of sequences of events that were solved.
@@ -90,10 +90,10 @@ impl fmt::Display for NoOrbit {
                 "the sines that drive it have no common period that is short enough to be followed",
             ),
             Self::NoMultipliers => f.write_str("the eigenvalues of its monodromy matrix were not found"),
-            Self::NotConverged { rest, grazing, sequences } => {
+            Self::NotConverged { residual, grazing, sequences } => {
                 write!(
                     f,
-                    "Newton's method ended at a gap of {rest:.1e} of the motion's size, after {sequences} sequences of \
+                    "Newton's method ended at a gap of {residual:.1e} of the motion's size, after {sequences} sequences of \
                      events; there may be none with these values, and `amontons study branches` shows where one ends"
                 )?;
                 match grazing {
@@ -123,7 +123,9 @@ pub fn search(
         return Err(NoOrbit::NoCommonPeriod);
     }
     let mut best = (f64::INFINITY, None);
+    let mut tried = 0;
     for sequences in 1..=MOST_SEQUENCES {
+        tried = sequences;
         if !goes_on() {
             return Ok(None);
         }
@@ -135,7 +137,7 @@ pub fn search(
             return Err(NoOrbit::TooManyEvents { most: MOST_EVENTS });
         }
         let outcome = chain.solve(flow);
-        let rest = chain.largest_gap(flow).unwrap_or(f64::INFINITY);
+        let residual = chain.largest_gap(flow).unwrap_or(f64::INFINITY);
         let grazing = match outcome {
             Ok(_) => {
                 let shorter = chain.of_shortest_period(flow.dofs()).filter(|_| !flow.is_driven());
@@ -160,16 +162,16 @@ pub fn search(
             }
             Err(Unsolved::Stalled) => None,
         };
-        if rest < best.0 {
-            best = (rest, grazing);
+        if residual < best.0 || best.1.is_none() && best.0.is_infinite() {
+            best = (residual, grazing);
         }
         let first = &chain.segments[0];
         start.motion = flow.motion(&first.start, &first.states);
         start.time = flow.time_of(chain.turn);
         start.period = start.period.filter(|_| flow.is_driven()).or(Some(chain.period()));
     }
-    let (rest, grazing) = best;
-    Err(NoOrbit::NotConverged { rest, grazing, sequences: MOST_SEQUENCES })
+    let (residual, grazing) = best;
+    Err(NoOrbit::NotConverged { residual, grazing, sequences: tried })
 }
 
 /// The shortest period under a drive after which a motion repeats itself, if that is a part of the chain's.

@@ -82,3 +82,42 @@ fn starts_and_parameters_that_make_no_sense_are_refused_with_what_would() {
         &["event-driven"],
     );
 }
+
+/// A run that begins on an orbit is back after each period, on an unstable one until rounding has grown.
+#[test]
+fn a_run_begins_on_an_orbit_and_comes_back_after_each_period() {
+    let folder = folder();
+    let here = folder.path();
+    let found =
+        amontons(here, &["study", "orbit", "set2", "--between", "module[1].v2=0.1:0.5", "-o", "u"]);
+    assert!(found.status.success(), "{}", text(&found.stderr));
+    let orbit = std::fs::read_to_string(here.join("u/orbit.json")).unwrap();
+    let orbit: serde_json::Value = serde_json::from_str(&orbit).unwrap();
+    let period = orbit["period"].as_f64().unwrap();
+    let [interval, stop] = [period, 20.0 * period].map(|time| format!("{time:?}"));
+    let arguments = [
+        "simulate",
+        "set2",
+        "--from",
+        "u/orbit.json",
+        "--integrator",
+        "event-driven",
+        "--step",
+        "2e-4",
+        "--output-interval",
+        &interval,
+        "--stop-time",
+        &stop,
+        "-o",
+        "run.csv",
+    ];
+    let run = amontons(here, &arguments);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    let rows = rows(&here.join("run.csv"));
+    assert_eq!(rows.len(), 21);
+    let first = orbit["displacement"][0].as_f64().unwrap();
+    for row in rows {
+        let x: f64 = row[1].parse().unwrap();
+        assert!((x - first).abs() < 1e-9 * first.abs(), "{row:?}");
+    }
+}

@@ -92,6 +92,9 @@ pub struct Simulate {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
+    /// Begin on an orbit that `amontons study orbit` has found with the same values
+    #[arg(long, value_name = "ORBIT.JSON")]
+    pub from: Option<PathBuf>,
     /// Inputs over time: a CSV file with a column `time` (s) and columns named after the FMU's inputs; values are
     /// interpolated linearly between rows, set before each output interval and held over it, as importers do
     #[arg(long, value_name = "FILE.csv")]

@@ -1,6 +1,7 @@
 //! `amontons simulate`.
 
 use crate::arguments::Simulate;
+use crate::study::orbit;
 use crate::{scenes, sweep};
 use amontons::error::Short;
 use amontons::scene::{Experiment, Scene};
@@ -106,6 +107,11 @@ fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error
     check_once(&arguments.set)?;
     for (name, value) in &arguments.set {
         assign(&mut scene, name, *value)?;
+    }
+    if let Some(path) = &arguments.from {
+        for (name, value) in orbit::read(path, &scene)?.initial_values(&scene) {
+            assign(&mut scene, &name, value)?;
+        }
     }
     let experiment = Experiment {
         stop_time: arguments.stop_time.unwrap_or(scene.experiment.stop_time),

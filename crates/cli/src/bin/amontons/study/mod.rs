@@ -7,7 +7,7 @@ mod branches;
 mod continuation;
 mod folder;
 mod limit_cycle;
-mod orbit;
+pub mod orbit;
 mod perturbation;
 mod transient;
 
