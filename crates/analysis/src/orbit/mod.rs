@@ -3,12 +3,15 @@
 //! | file | contents |
 //! | --- | --- |
 //! | `matrix` | products and exponentials of small dense matrices |
-//! | `flow` | the linear equation of each set of contact states, and the events between them |
+//! | `flow` | the flow of a scene: states, inputs, runs with their events |
+//! | `equations` | the linear equation of each set of contact states, the functions and maps of events |
 //! | `chain` | a periodic motion as a chain of segments; Newton's method on it |
 //! | `check` | the chain held against the event-driven integrator, segment by segment |
 //! | `multipliers` | monodromy matrix, rank, multipliers |
 //! | `extremes` | turning points |
-//! | `branch` | periodic motions over a parameter: folds, bifurcations, changes of the sequence of events |
+//! | `branch` | a branch of periodic motions over a parameter, its special points and ends |
+//! | `corrector` | one point of a branch from another, by pseudo-arclength |
+//! | `follow` | a branch from point to point: special points, changes of the sequence of events |
 //! | `search` | from a motion that nearly comes back to a periodic one |
 //!
 //! An orbit begins as a run of the event-driven integrator over one period, which finds the sequence of events. Newton's
@@ -18,17 +21,19 @@
 mod branch;
 mod chain;
 mod check;
+mod corrector;
+mod equations;
 mod extremes;
 mod flow;
+mod follow;
 mod matrix;
 mod multipliers;
 mod search;
 
-pub use branch::{
-    Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint, branch,
-};
+pub use branch::{Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint};
 pub use chain::{Chain, Linear, Segment, Unsolved};
 pub use flow::{Field, Flow, Instant, Stage, check_method};
+pub use follow::branch;
 pub use multipliers::{Multipliers, multipliers};
 pub use search::{NoOrbit, Start, search};
 
