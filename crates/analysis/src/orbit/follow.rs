@@ -23,8 +23,9 @@ const MOST_BISECTIONS: usize = 60;
 /// A motion is at the end of its branch the largest of neutral cycles if contacts leave uniform sliding for less than this
 /// part of the period.
 const VANISHED: f64 = 1e-2;
-/// A multiplier at a fold is this near to 1.
-const NEAR_ONE: f64 = 1e-2;
+/// A branch of fewer points is not closed; a point is the first one again within this part of a step.
+const FEWEST_OF_CLOSED: usize = 10;
+const SAME_POINT: f64 = 0.5;
 /// Distances behind a change of the sequence of events at which its continuation is looked for, in parts of the range.
 const BEYOND: [f64; 5] = [1e-8, 1e-7, 1e-6, 1e-5, 1e-4];
 
@@ -96,7 +97,7 @@ fn together(mut sides: Vec<Side>) -> Branch {
 impl Continued<'_> {
     /// Follows the branch from a point in its direction.
     fn follow(&self, first: Node) -> Result<Option<Side>, Error> {
-        let start = (first.chain.segments[0].start.clone(), first.parameter, first.chain.scales);
+        let start = first.clone();
         let mut points = vec![point(&first)];
         let mut specials: Vec<SpecialPoint> = Vec::new();
         let mut node = first;
@@ -140,14 +141,7 @@ impl Continued<'_> {
                 }
                 self.note_specials(&node, &next, points.len() - 1, &mut specials)?;
                 points.push(point(&next));
-                let (state, parameter, scales) = &start;
-                let dofs = next.orbit.displacement.len();
-                let apart = (0..2 * dofs).map(|i| {
-                    let off = next.chain.segments[0].start[i] - state[i];
-                    off.abs() / scales[usize::from(i >= dofs)]
-                });
-                let apart = apart.fold((next.parameter - parameter).abs() / self.width(), f64::max);
-                if points.len() > 10 && apart < step {
+                if points.len() > FEWEST_OF_CLOSED && self.is_back(&next, &start, step) {
                     return done(points, specials, BranchEnd::Closed);
                 }
                 node = next;
@@ -346,26 +340,35 @@ impl Continued<'_> {
                 specials.push(special(&node, SpecialKind::Fold, place));
             }
         }
-        let outside = growing(&from.orbit);
-        if growing(&to.orbit) != outside {
-            let is_before = |node: &Node| growing(&node.orbit) == outside;
+        let [before, after] = [from, to].map(|node| growing(&node.orbit));
+        for class in 0..before.len() {
+            // At a fold one passes 1. A pair that becomes two real ones outside the unit circle, or comes of them, passes
+            // nothing.
+            let is_fold = turns && class == 0;
+            let meets = before[2] != after[2] && sum(before) == sum(after);
+            if before[class] == after[class] || is_fold || meets {
+                continue;
+            }
+            let is_before = |node: &Node| growing(&node.orbit)[class] == before[class];
             if let Some(node) = self.bisect(from, distance, &is_before)? {
-                let off = |value: &[f64; 2]| (libm::hypot(value[0], value[1]) - 1.0).abs();
-                let values = node.orbit.multipliers.iter();
-                let nearest = values.min_by(|a, b| off(a).total_cmp(&off(b)));
-                // Beside the one along the motion, a multiplier 1 is a double one, which rounding makes a pair.
-                if turns && nearest.is_some_and(|[re, im]| libm::hypot(re - 1.0, *im) < NEAR_ONE) {
-                    return Ok(());
-                }
-                let kind = match nearest {
-                    Some([_, im]) if *im != 0.0 => SpecialKind::NeimarkSacker,
-                    Some([re, _]) if *re < 0.0 => SpecialKind::PeriodDoubling,
-                    _ => SpecialKind::BranchPoint,
-                };
-                specials.push(special(&node, kind, place));
+                let kinds = [
+                    SpecialKind::BranchPoint,
+                    SpecialKind::PeriodDoubling,
+                    SpecialKind::NeimarkSacker,
+                ];
+                specials.push(special(&node, kinds[class], place));
             }
         }
         Ok(())
+    }
+
+    /// `true` if a point of a branch is the one that it began with, again in the same direction.
+    fn is_back(&self, node: &Node, start: &Node, step: f64) -> bool {
+        let near = SAME_POINT * step;
+        (node.parameter - start.parameter).abs() <= near * self.width()
+            && node.tangent.1 * start.tangent.1 > 0.0
+            && difference(&node.orbit, &start.orbit) <= near
+            && has_same_events(&node.orbit, &start.orbit)
     }
 
     /// The last point within this distance for which a condition holds that does not hold at its end.
@@ -417,9 +420,19 @@ fn special(node: &Node, kind: SpecialKind, place: usize) -> SpecialPoint {
     SpecialPoint { parameter: node.parameter, kind, orbit: node.orbit.clone(), place }
 }
 
-/// Number of multipliers outside the unit circle, beyond rounding.
-fn growing(orbit: &Orbit) -> usize {
-    orbit.multipliers.iter().filter(|[re, im]| libm::hypot(*re, *im) > 1.0 + KNOWN).count()
+/// Numbers of multipliers outside the unit circle, beyond rounding: above 1, below −1, and those that are not real.
+fn growing(orbit: &Orbit) -> [usize; 3] {
+    let mut numbers = [0; 3];
+    for [re, im] in &orbit.multipliers {
+        if libm::hypot(*re, *im) > 1.0 + KNOWN {
+            numbers[if *im != 0.0 { 2 } else { usize::from(*re < 0.0) }] += 1;
+        }
+    }
+    numbers
+}
+
+fn sum(numbers: [usize; 3]) -> usize {
+    numbers.iter().sum()
 }
 
 /// `true` if contacts take the same states in the same order in both, from any instant on.

@@ -7,10 +7,12 @@ use super::perturbation::{Direction, perturbation};
 use super::settling::run_to_steady_state;
 use super::{Journal, Push, Watch, drive};
 use crate::orbit::{Chain, Flow, NoOrbit, Orbit, Start, check_method, search};
+use crate::stability::{Linearised, linearity_limit, modes};
 use amontons::Error;
 use amontons::integrator::Motion;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
+use std::f64::consts::TAU;
 
 /// The motion from which an orbit is looked for.
 #[derive(Clone, Debug)]
@@ -22,6 +24,9 @@ pub enum From {
     Boundary(Direction),
     /// A known orbit of this scene, perhaps with other values.
     Orbit(Box<Orbit>),
+    /// An oscillating mode of uniform sliding, by its place in the order of frequencies, from 1: just above the amplitude
+    /// at which a contact leaves sliding. Where the mode begins to grow, branches begin there.
+    Mode(usize),
 }
 
 /// What a search for an orbit has found.
@@ -37,6 +42,8 @@ pub struct FoundOrbit {
 
 /// The part of the work before the search itself.
 const SETTLED: f64 = 0.9;
+/// Amplitude with which a mode is begun, relative to the one at which a contact leaves sliding.
+const ABOVE_LINEAR: f64 = 1.05;
 /// Windows of a run from a boundary in which the nearest return is looked for.
 const WINDOWS_NEAR: f64 = 1.0;
 
@@ -72,6 +79,7 @@ pub(super) fn solved(
             Begun::at_boundary(scene, observation, direction, journal, watch)?
         }
         From::Orbit(known) => Some(Begun::at_orbit(scene, known)?),
+        From::Mode(number) => Some(Begun::in_mode(scene, *number)?),
     };
     let Some(Begun { mut simulation, start, ending, boundary }) = begun else { return Ok(None) };
     let mut flow = Flow::of(&mut simulation)?;
@@ -142,6 +150,35 @@ impl Begun {
         Ok(Some(Self { simulation, start, ending: None, boundary: Some(threshold.between) }))
     }
 
+    /// A motion in a mode of uniform sliding, a little larger than what is linear.
+    fn in_mode(scene: &Scene, number: usize) -> Result<Self, Error> {
+        let linearised = Linearised::of(scene);
+        let states = linearised.uniform_sliding()?;
+        let linear = linearised.linear()?;
+        let found = modes(linear, &states)?;
+        let place = number.checked_sub(1).and_then(|place| found.oscillating.get(place));
+        let mode = place.ok_or_else(|| {
+            Error::argument(format!(
+                "{} has {} oscillating modes of uniform sliding; there is no mode {number}",
+                scene.name,
+                found.oscillating.len()
+            ))
+        })?;
+        let limit = linearity_limit(linear, linearised.equilibrium()?, mode).ok_or_else(|| {
+            Error::analysis(format!(
+                "mode {number} makes no contact leave sliding, however large it is"
+            ))
+        })?;
+        let scale = ABOVE_LINEAR * limit.amplitude / mode.shape[limit.dof].norm();
+        let simulation = Simulation::new(scene.clone(), 0.0)?;
+        let displacement = mode.shape.iter().map(|part| scale * part.re).collect();
+        let velocity = mode.shape.iter().map(|part| scale * (mode.eigenvalue * part).re).collect();
+        let motion = Motion::new(displacement, velocity, states);
+        let period = TAU / mode.eigenvalue.im;
+        let start = Start { motion, time: 0.0, period: Some(period), longest: period };
+        Ok(Self { simulation, start, ending: None, boundary: None })
+    }
+
     /// The beginning of a known orbit.
     fn at_orbit(scene: &Scene, known: &Orbit) -> Result<Self, Error> {
         let simulation = Simulation::new(scene.clone(), 0.0)?;
@@ -174,7 +211,7 @@ fn no_period(scene: &Scene, ending: &LongTermMotion) -> Error {
     };
     Error::analysis(format!(
         "the motion of {name} from its start is not periodic: {what}. Other starts: --set initial.NAME=VALUE, a known orbit \
-         with --from, or the boundary between two motions with --between"
+         with --from, the boundary between two motions with --between, or a mode with --mode"
     ))
 }
 

@@ -56,6 +56,31 @@ fn an_unstable_orbit_from_a_boundary_begins_the_branch_that_joins_both_folds() {
     assert_eq!(text(&amontons(here, &arguments).stdout), told);
 }
 
+/// The mode that begins to grow at 2.0626 leads to the branch that begins there.
+#[test]
+fn a_mode_of_sliding_just_above_its_critical_value_leads_to_the_branch_that_begins_there() {
+    let folder = folder();
+    let arguments = [
+        "study",
+        "branches",
+        "set2",
+        "--set",
+        "friction.coefficient=2.064",
+        "--mode",
+        "4",
+        "--parameter",
+        "friction.coefficient=2.0:2.08",
+        "-o",
+        "m",
+    ];
+    let found = amontons(folder.path(), &arguments);
+    let told = text(&found.stdout);
+    assert!(found.status.success(), "{}", text(&found.stderr));
+    for part in ["begins at 2.0625655", "2.0749417244", "neutral cycles"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+}
+
 #[test]
 fn starts_and_parameters_that_make_no_sense_are_refused_with_what_would() {
     let folder = folder();
@@ -67,6 +92,7 @@ fn starts_and_parameters_that_make_no_sense_are_refused_with_what_would() {
         assert_refused(&amontons(here, &all), code, words);
     };
     refused(&["orbit", "set2", "--from", "no.json"], 1, &["no orbit"]);
+    refused(&["orbit", "set2", "--mode", "9"], 2, &["6 oscillating modes", "no mode 9"]);
     let initial = "initial.module[1].v2=0:1";
     refused(&["branches", "set2", "--parameter", initial], 2, &["do not depend on initial values"]);
     refused(&["branches", "set2", "--parameter", "friction.coeficient=1:2"], 2, &["did you mean"]);

@@ -35,7 +35,10 @@ pub struct BranchesArguments {
     /// Begin a branch at the boundary between the motions that two values of an initial value end in; may be repeated
     #[arg(long, value_name = "NAME=A:B", value_parser = named_ends)]
     between: Vec<(String, [f64; 2])>,
-    /// Begin a branch with what the scene settles into, beside those of --from and --between
+    /// Begin a branch in this oscillating mode of uniform sliding, counted by frequency from 1; may be repeated
+    #[arg(long, value_name = "N")]
+    mode: Vec<usize>,
+    /// Begin a branch with what the scene settles into, beside other starts
     #[arg(long)]
     run: bool,
     /// Most points of a branch to either side of its start
@@ -76,6 +79,9 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
         let amplitudes = vec![a.min(*b), a.max(*b)];
         starts.push((label, From::Boundary(Direction { name, amplitudes, resolution: BOUNDARY })));
     }
+    for number in &arguments.mode {
+        starts.push((format!("mode {number}"), From::Mode(*number)));
+    }
     if starts.is_empty() || arguments.run {
         starts.insert(0, ("a run".to_owned(), From::Run));
     }
@@ -84,7 +90,7 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
         .iter()
         .filter_map(|(_, start)| match start {
             From::Orbit(orbit) => Some(orbit),
-            From::Run | From::Boundary(_) => None,
+            From::Run | From::Boundary(_) | From::Mode(_) => None,
         })
         .collect();
     let settings = json!({

@@ -35,6 +35,10 @@ pub struct OrbitArguments {
     /// Start from the boundary between the motions that two values of an initial value end in: unstable orbits are there
     #[arg(long, value_name = "NAME=A:B", value_parser = named_ends)]
     between: Option<(String, [f64; 2])>,
+    /// Start in this oscillating mode of uniform sliding, counted by frequency from 1, a little above the amplitude at which
+    /// a contact leaves sliding
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "between"])]
+    mode: Option<usize>,
 }
 
 /// Parses a name with two values.
@@ -46,7 +50,7 @@ pub fn named_ends(text: &str) -> Result<(String, [f64; 2]), String> {
 }
 
 pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
-    let OrbitArguments { common, options, from, between } = arguments;
+    let OrbitArguments { common, options, from, between, mode } = arguments;
     let (scene, source, observation) = prepared(common, options)?;
     let start = match (from, between) {
         (Some(path), _) => From::Orbit(Box::new(read(path, &scene)?)),
@@ -55,13 +59,13 @@ pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
             amplitudes: vec![a.min(*b), a.max(*b)],
             resolution: BOUNDARY,
         }),
-        (None, None) => From::Run,
+        (None, None) => mode.map_or(From::Run, From::Mode),
     };
     let known = match &start {
         From::Orbit(orbit) => Some(orbit),
-        From::Run | From::Boundary(_) => None,
+        From::Run | From::Boundary(_) | From::Mode(_) => None,
     };
-    let settings = json!({ "look": observation, "between": between, "from": known });
+    let settings = json!({ "look": observation, "between": between, "from": known, "mode": mode });
     let folder = Folder::open(common, "orbit", (&scene, &source), settings)?;
     let found = watched(|watch| orbit(&scene, &observation, &start, folder.journal(), watch))?;
     let Some(found) = found else { return Err(interrupted(&folder)) };
