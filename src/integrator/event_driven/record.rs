@@ -1,12 +1,12 @@
 //! A record of the events of a motion: when they were, why, and the motion before and after each.
 
+use super::EventDriven;
 use super::ledger::{Impact, MotionObserver, Segment};
 use super::rounding::NOISE;
 use super::watch::Event;
-use super::{EventDriven, StepFailure};
 use crate::Error;
 use crate::contact::ContactState;
-use crate::integrator::{Inputs, Integrator, Motion};
+use crate::integrator::Motion;
 use crate::model::LumpedModel;
 use std::mem::take;
 
@@ -48,19 +48,6 @@ impl EventDriven<EventRecorder> {
     pub fn take_record(&mut self) -> Vec<EventRecord> {
         self.observer.time = 0.0;
         take(&mut self.observer.records)
-    }
-
-    /// Takes one step of length `step` (s) and records its events.
-    ///
-    /// # Errors
-    /// Returns the errors of [`Integrator::advance`].
-    pub fn record_step(
-        &mut self,
-        motion: &mut Motion,
-        inputs: &Inputs,
-        step: f64,
-    ) -> Result<(), StepFailure> {
-        self.advance(motion, inputs, step, 1)
     }
 }
 

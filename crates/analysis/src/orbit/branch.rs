@@ -28,7 +28,7 @@ pub struct BranchPoint {
     pub orbit: Orbit,
 }
 
-/// What is special at a point.
+/// The kind of a special point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpecialKind {
@@ -89,7 +89,7 @@ pub struct Branch {
     pub ends: [BranchEnd; 2],
 }
 
-/// What a branch is continued in.
+/// The parameter over which a branch is followed, and how far.
 pub struct Continued<'a> {
     /// The flow with a value of the parameter.
     pub flow_at: &'a FlowAt<'a>,
@@ -97,6 +97,6 @@ pub struct Continued<'a> {
     pub range: [f64; 2],
     /// Most points to either side.
     pub most_points: usize,
-    /// Hears the number of points, and decides if the work goes on.
+    /// Receives the number of points found so far, and returns `false` to end the work.
     pub goes_on: &'a dyn Fn(usize) -> bool,
 }

@@ -42,7 +42,7 @@ pub struct Segment {
     pub start: DVector<f64>,
     /// Its duration, s.
     pub duration: f64,
-    /// What ends it; empty where a driven motion's period ends.
+    /// The events that end the segment; none where the period of a driven motion ends.
     pub stages: Vec<Stage>,
 }
 
@@ -150,7 +150,7 @@ impl Chain {
         Ok(chain)
     }
 
-    /// The same motion under a drive, begun `time` (s) later.
+    /// The chain of the same driven motion, with its first segment beginning `time` (s) later.
     ///
     /// # Errors
     /// Returns the contact whose forces were not found.
@@ -191,7 +191,7 @@ impl Chain {
         Ok(chain)
     }
 
-    /// The same motion under a drive, begun in the middle of its longest segment, far from all events.
+    /// The chain of the same driven motion, beginning in the middle of its longest segment, far from all events.
     ///
     /// # Errors
     /// Returns the contact whose forces were not found.
@@ -317,7 +317,7 @@ impl Chain {
             .collect()
     }
 
-    /// What is left of each equation.
+    /// The residuals of all equations of the chain.
     ///
     /// # Errors
     /// Returns the segment that ends in an event without a function.
@@ -429,7 +429,7 @@ impl Chain {
     }
 }
 
-/// What is left of the equations of a chain.
+/// The residuals of the equations of a chain.
 pub(super) struct Residuals {
     /// R y⁻ of each segment minus the beginning of the next.
     pub defects: Vec<DVector<f64>>,

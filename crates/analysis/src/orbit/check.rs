@@ -42,7 +42,7 @@ pub fn compare(chain: &Chain, flow: &mut Flow) -> Result<Difference, StepFailure
     let begin = flow.time_of(chain.turn);
     let first = &chain.segments[0];
     let motion = flow.motion(&first.start, &first.states);
-    let past = if first_ends_by_phase(chain) { 0.0 } else { near };
+    let past = if ends_by_phase(chain) { 0.0 } else { near };
     let (end, instants) = flow.run(&motion, begin, period + past, |_| true)?;
     let reached = match instants.last() {
         Some(last) if past > 0.0 && (last.time - period).abs() <= 2.0 * near => {
@@ -54,7 +54,7 @@ pub fn compare(chain: &Chain, flow: &mut Flow) -> Result<Difference, StepFailure
     Ok(Difference::None { defect, closure })
 }
 
-fn first_ends_by_phase(chain: &Chain) -> bool {
+fn ends_by_phase(chain: &Chain) -> bool {
     chain.segments.last().is_some_and(|segment| segment.stages.is_empty())
 }
 

@@ -7,7 +7,7 @@ use amontons::contact::{ContactState, Friction};
 use amontons::integrator::{
     AppliedLoad, ConstrainedResponse, Event, HeldStates, Integrator, StepFailure,
 };
-use amontons::model::{Direction, SparseMatrix};
+use amontons::model::{Contact, Direction, SparseMatrix};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -104,11 +104,8 @@ impl Flow {
     /// exp(A t) y, as the power series of the motion over parts of the time.
     #[must_use]
     pub fn propagate(&self, field: &Field, y: &DVector<f64>, t: f64) -> DVector<f64> {
-        let mut end = y.clone();
-        for (powers, part) in self.powers(field, y, t) {
-            end = powers.iter().rev().fold(DVector::zeros(y.len()), |sum, c| sum * part + c);
-        }
-        end
+        let (powers, part) = self.powers(field, y, t).last().expect("there is at least one part");
+        powers.iter().rev().fold(DVector::zeros(y.len()), |sum, c| sum * part + c)
     }
 
     /// The motion from a state on over the time `t` (s), as power series in the time since the beginning of each of its
@@ -168,7 +165,7 @@ impl Flow {
     #[must_use]
     pub fn event_row(&self, field: &Field, contact: usize, event: Event) -> Option<DVector<f64>> {
         let n = self.dofs();
-        let Contact { normal, tangent } = self.directions(contact);
+        let Contact { normal, tangent, .. } = &self.model.contacts[contact];
         Some(match event {
             Event::Touch => self.spread(normal, 0, 1.0),
             Event::Stop => self.surface_row(contact) + self.spread(tangent, n, -1.0),
@@ -246,7 +243,7 @@ impl Flow {
                     _ => ContactState::Slide,
                 })
                 .collect();
-            let placed = self.position_map(&closed, &nothing)?;
+            let placed = self.position_map(&closed)?;
             let slopes = self.slopes(states);
             let struck = self.velocity_map(states, &slopes)?;
             map = product(&struck, &product(&placed, &map));
@@ -273,7 +270,7 @@ impl Flow {
                     _ => ContactState::Slide,
                 })
                 .collect();
-            let placed = self.position_map(&closed, &nothing)?;
+            let placed = self.position_map(&closed)?;
             map = product(&self.velocity_map(states, &nothing)?, &placed);
         }
         self.hold_exactly(states, &mut map);
@@ -324,11 +321,7 @@ impl Flow {
     }
 
     /// The map that puts the gaps of closed contacts to zero.
-    fn position_map(
-        &mut self,
-        closed: &[ContactState],
-        slopes: &[f64],
-    ) -> Result<DMatrix<f64>, StepFailure> {
+    fn position_map(&mut self, closed: &[ContactState]) -> Result<DMatrix<f64>, StepFailure> {
         let (n, size, contacts) = (self.dofs(), self.size(), self.surface.len());
         let mut map = DMatrix::identity(size, size);
         let still = vec![0.0; contacts];
@@ -337,7 +330,7 @@ impl Flow {
             let mut force = vec![0.0; n];
             subtract_column(&mut force, &self.model.mass, column, -1.0);
             let load = AppliedLoad { force: &force, slider_acceleration: &still };
-            let held = HeldStates { states: closed, slopes };
+            let held = HeldStates { states: closed, slopes: &still };
             self.integrator.respond(held, load, &mut response)?;
             for (dof, place) in response.acceleration.iter().enumerate() {
                 map[(dof, column)] = *place;
@@ -352,7 +345,7 @@ impl Flow {
         let n = self.dofs();
         let mut rows = Vec::new();
         for (i, state) in states.iter().enumerate() {
-            let Contact { normal, tangent } = self.directions(i);
+            let Contact { normal, tangent, .. } = &self.model.contacts[i];
             if *state != ContactState::Detached {
                 rows.extend([0, n].map(|first| self.spread(normal, first, 1.0)));
             }
@@ -361,11 +354,6 @@ impl Flow {
             }
         }
         rows.iter().map(|row| row.rows(0, 2 * n).into_owned()).collect()
-    }
-
-    fn directions(&self, contact: usize) -> Contact<'_> {
-        let contact = &self.model.contacts[contact];
-        Contact { normal: &contact.normal, tangent: &contact.tangent }
     }
 
     /// A direction as a row, from the place `first` on.
@@ -382,11 +370,6 @@ impl Flow {
     pub fn rate(field: &Field, y: &DVector<f64>) -> DVector<f64> {
         times(&field.matrix, y)
     }
-}
-
-struct Contact<'a> {
-    normal: &'a Direction,
-    tangent: &'a Direction,
 }
 
 /// Subtracts a column of a symmetric matrix, times a factor.

@@ -65,7 +65,7 @@ pub struct Instant {
     pub time: f64,
     /// The motion before.
     pub before: Motion,
-    /// What happens, in its order.
+    /// The stages of the instant, in their order.
     pub stages: Vec<Stage>,
     /// The motion after.
     pub after: Motion,
@@ -261,7 +261,7 @@ impl Flow {
             steps += 1;
             let end = (steps as f64 * self.step).min(duration);
             let inputs = self.inputs(t + done, end - done);
-            self.integrator.record_step(&mut motion, &inputs, end - done)?;
+            self.integrator.advance(&mut motion, &inputs, end - done, 1)?;
             let new = self.integrator.take_record().into_iter();
             records.extend(new.map(|record| EventRecord { time: record.time + done, ..record }));
             done = end;

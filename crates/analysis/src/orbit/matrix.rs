@@ -62,7 +62,7 @@ pub(super) fn exponential(matrix: &DMatrix<f64>, units: &[f64], t: f64) -> DMatr
 
 /// An orthonormal basis, by columns, of the space on which all `rows` vanish.
 pub(super) fn null_space(rows: &[DVector<f64>], size: usize) -> DMatrix<f64> {
-    /// What is left of a vector below this part of it depends on the others.
+    /// A vector depends on the others if the remainder across them is below this part of it.
     const DEPENDENT: f64 = 1e-9;
     let mut known: Vec<DVector<f64>> = Vec::new();
     let add = |mut vector: DVector<f64>, known: &mut Vec<DVector<f64>>| {

@@ -138,10 +138,7 @@ fn rest_branch(
         let all = modes(linear, &states)?;
         let pulsation = std::f64::consts::TAU * crossing.frequency_hz;
         let off = |value: f64| (value - pulsation).abs();
-        let mode = all
-            .all()
-            .filter(|mode| !mode.shape.is_empty())
-            .min_by(|a, b| off(a.eigenvalue.im).total_cmp(&off(b.eigenvalue.im)));
+        let mode = all.all().min_by(|a, b| off(a.eigenvalue.im).total_cmp(&off(b.eigenvalue.im)));
         let has_family =
             crossing.frequency_hz > 0.0 && there.model().law.friction.info().is_constant();
         let neutral_up_to = mode.filter(|_| has_family).and_then(|mode| {

@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 /// The motion from which an orbit is looked for.
 #[derive(Clone, Debug)]
 pub enum From {
-    /// What the scene settles into from its own start, with a push where that is at rest.
+    /// The motion that a run of the scene settles into; a scene that starts at rest gets a small push.
     Run,
     /// A run from the boundary between two motions, over the values of one initial value: it stays near an unstable
     /// orbit for a while.
@@ -29,7 +29,7 @@ pub enum From {
     Mode(usize),
 }
 
-/// What a search for an orbit has found.
+/// The result of a search for an orbit.
 #[derive(Clone, Debug)]
 pub struct FoundOrbit {
     /// The orbit.
