@@ -5,8 +5,9 @@ use std::path::Path;
 use std::process::Command;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
-/// The longest that one input may take, s, on a machine that is busy with other things.
-const LONGEST: u32 = 120;
+/// The longest that one input may take, s, on a machine that is busy with other things: a saved state takes several calls,
+/// of which each may take `MOST_TIME` of its target.
+const LONGEST: u32 = 600;
 
 /// Runs a target over the files in these folders, and on further inputs from one seed, up to `runs` runs; findings are
 /// written to a folder that is deleted.
