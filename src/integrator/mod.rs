@@ -142,10 +142,10 @@ pub struct Inputs {
     pub slider_velocity: Vec<f64>,
     /// Mean slider acceleration v̇ over the step, m/s²; one value for each contact.
     pub slider_acceleration: Vec<f64>,
-    /// Friction coefficients; one item for each contact.
+    /// Friction coefficients at the beginning; one item for each contact.
     pub friction: Vec<Friction>,
-    /// The oscillating parts of forces and slider velocities. The values above include them at their instants;
-    /// event-driven motion also follows them in between.
+    /// The oscillating parts of forces, slider velocities and friction coefficients. The values above include them at
+    /// their instants; event-driven motion also follows them in between.
     pub waves: Vec<Wave>,
 }
 
@@ -163,6 +163,8 @@ pub struct Wave {
     pub pushes: Vec<(usize, f64)>,
     /// The contacts whose slider velocities (m/s) include the wave, in ascending order.
     pub moves: Vec<usize>,
+    /// The contacts whose friction coefficients include the wave, each with the parts of the wave in µ_k and µ_s.
+    pub rubs: Vec<(usize, [f64; 2])>,
 }
 
 impl Wave {

@@ -588,7 +588,33 @@ fn input_effect(
         }
         _ => Vec::new(),
     };
-    InputEffect { pushes, moves: moved_contacts(scene, variable) }
+    let moves = moved_contacts(scene, variable);
+    InputEffect { pushes, moves, rubs: rubbed_contacts(scene, model, variable) }
+}
+
+/// The contacts whose µ_k or µ_s an input changes, each with the changes for one unit of the input.
+fn rubbed_contacts(
+    scene: &Scene,
+    model: &LumpedModel,
+    variable: &Variable,
+) -> Vec<(usize, [f64; 2])> {
+    let mut other = scene.clone();
+    let Some(value) = values::place_in(&mut other, variable) else { return Vec::new() };
+    *value += 1.0;
+    let changes = model.contacts.iter().enumerate().map(|(i, contact)| {
+        let [old, new] = [scene, &other].map(|scene| scene.friction_of(i));
+        // Each is 0 or 1.
+        let change = |part: fn(&Friction) -> f64| (part(&new) - part(&old)).round();
+        let rubs = f64::from(u8::from(model.rubs(contact)));
+        (
+            i,
+            [
+                rubs * change(|friction| friction.kinetic),
+                rubs * change(|friction| friction.static_),
+            ],
+        )
+    });
+    changes.filter(|(_, change)| *change != [0.0; 2]).collect()
 }
 
 /// Error message for values that have made the step too long; the step itself may be fixed by now.

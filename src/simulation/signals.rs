@@ -48,11 +48,13 @@ pub(super) struct InputRamp {
     pub(super) is_over: bool,
 }
 
-/// Effect of an input: degrees of freedom with the force for one unit of the input, N, and contacts whose sliders it moves.
+/// Effect of an input: degrees of freedom with the force for one unit of the input, N, contacts whose sliders it moves,
+/// and contacts with the change of µ_k and µ_s for one unit.
 #[derive(Default)]
 pub(super) struct InputEffect {
     pub(super) pushes: Vec<(usize, f64)>,
     pub(super) moves: Vec<usize>,
+    pub(super) rubs: Vec<(usize, [f64; 2])>,
 }
 
 impl InputRamp {
@@ -253,9 +255,9 @@ impl DrivenInputs {
     /// ends of steps.
     pub(super) fn waves(&self, effect_of: impl Fn(&Variable) -> InputEffect) -> Vec<Wave> {
         let wave = |(variable, sine): (&Variable, &Sine)| {
-            let InputEffect { pushes, moves } = effect_of(variable);
+            let InputEffect { pushes, moves, rubs } = effect_of(variable);
             let pulsation = TAU * sine.frequency;
-            Wave { amplitude: 0.0, pulsation, phase: 0.0, pushes, moves }
+            Wave { amplitude: 0.0, pulsation, phase: 0.0, pushes, moves, rubs }
         };
         self.sines().map(wave).collect()
     }

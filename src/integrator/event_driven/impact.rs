@@ -31,7 +31,7 @@
 use super::ledger::{Impact, MotionObserver};
 use super::rounding::{NOISE, THROWN, least_hop};
 use super::watch::Event;
-use super::{EventDriven, Inputs, Motion, StepFailure};
+use super::{EventDriven, Motion, StepFailure};
 use crate::contact::ContactState;
 use crate::integrator::contact_problem::ContactConstraint;
 use crate::integrator::dynamics::Dynamics;
@@ -64,12 +64,7 @@ impl<W: MotionObserver> EventDriven<W> {
     ///
     /// A contact whose gap is rounding and that takes an impulse counts as a landing. Where the solver finds no
     /// impulses with such contacts, it solves without them; they then have an impact of their own.
-    pub(super) fn impact(
-        &mut self,
-        motion: &mut Motion,
-        inputs: &Inputs,
-        speed: f64,
-    ) -> Result<(), StepFailure> {
+    pub(super) fn impact(&mut self, motion: &mut Motion, speed: f64) -> Result<(), StepFailure> {
         for (closed, event) in self.closed.iter_mut().zip(&self.events) {
             if *event == Some(Event::Touch) {
                 *closed = frictionless(true);
@@ -77,10 +72,10 @@ impl<W: MotionObserver> EventDriven<W> {
         }
         self.kept.clone_from(&self.closed);
         self.close_what_touches(motion, speed);
-        let sweeps = match self.solve_impact(motion, inputs, speed) {
+        let sweeps = match self.solve_impact(motion, speed) {
             Err(_) if self.closed != self.kept => {
                 self.closed.clone_from(&self.kept);
-                self.solve_impact(motion, inputs, speed)
+                self.solve_impact(motion, speed)
             }
             solved => solved,
         }?;
@@ -135,21 +130,14 @@ impl<W: MotionObserver> EventDriven<W> {
 
     /// Solves for the impulses of the closed contacts; returns the number of iterations. There are no impulses where
     /// contacts approach by rounding only: beside a surface that moves, a solver finds impulses of any size for it.
-    fn solve_impact(
-        &mut self,
-        motion: &Motion,
-        inputs: &Inputs,
-        speed: f64,
-    ) -> Result<u64, StepFailure> {
+    fn solve_impact(&mut self, motion: &Motion, speed: f64) -> Result<u64, StepFailure> {
         let Dynamics { contacts, problem, constraint_of, law, .. } = &mut self.dynamics;
         let surfaces = if law.has_fixed_state() { &self.heading } else { &self.surface };
         for (i, contact) in contacts.iter().enumerate() {
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
             problem.constraints[i] = match self.closed[i] {
                 ContactState::Detached => ContactConstraint::Open,
-                _ => {
-                    constraint_of(inputs.friction[i], -tangential, surfaces[i], motion.contacts[i])
-                }
+                _ => constraint_of(self.friction[i], -tangential, surfaces[i], motion.contacts[i]),
             };
             problem.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }

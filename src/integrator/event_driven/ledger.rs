@@ -3,7 +3,7 @@
 
 use super::series::{ORDER, Polynomial, Series, index};
 use super::watch::Event;
-use crate::contact::ContactState;
+use crate::contact::{ContactState, Friction};
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::ledger::half_form;
 use crate::integrator::{Inputs, Motion};
@@ -29,6 +29,8 @@ pub struct Segment<'a> {
     pub(super) surface: &'a [f64],
     /// Slider accelerations at the beginning of the part, m/s².
     pub(super) acceleration: &'a [f64],
+    /// Friction coefficients at the beginning of the part.
+    pub(super) friction: &'a [Friction],
     pub(super) inputs: &'a Inputs,
     /// Length of the part relative to the span of the series.
     pub(super) part: f64,
@@ -129,7 +131,7 @@ impl Writer {
 impl MotionObserver for Writer {
     fn passes(&mut self, segment: Segment<'_>, motion: &mut Motion) {
         let Some(ledger) = &mut motion.ledger else { return };
-        let Segment { dynamics, series, force, surface, acceleration, inputs, part } = segment;
+        let Segment { dynamics, series, force, surface, acceleration, inputs, part, .. } = segment;
         let (dofs, time) = (force.len(), part * series.span());
         let powers = series.order();
         self.moved.resize(powers * dofs, 0.0);
@@ -164,7 +166,7 @@ impl MotionObserver for Writer {
         }
         ledger.forces += work;
 
-        series.law.set(dynamics, &motion.contacts, &inputs.friction);
+        series.law.set(dynamics, &motion.contacts, segment.friction);
         for (i, contact) in dynamics.contacts.iter().enumerate() {
             if motion.contacts[i] == ContactState::Detached {
                 continue;

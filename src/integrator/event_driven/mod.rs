@@ -207,6 +207,8 @@ pub struct EventDriven<W = ()> {
     force: Vec<f64>,
     surface: Vec<f64>,
     surface_acceleration: Vec<f64>,
+    /// Friction coefficients at the present instant.
+    friction: Vec<Friction>,
     /// The velocities of each surface at the beginning and at the end of the step, added, m/s. Friction of a fixed
     /// direction has its sign.
     heading: Vec<f64>,
@@ -295,6 +297,7 @@ impl<W: MotionObserver> EventDriven<W> {
             force: vec![0.0; model.dofs()],
             surface: vec![0.0; contacts],
             surface_acceleration: vec![0.0; contacts],
+            friction: vec![Friction::from(0.0); contacts],
             heading: vec![0.0; contacts],
             surface_speed: vec![0.0; contacts],
             events: vec![None; contacts],
@@ -326,13 +329,14 @@ impl<W: MotionObserver> EventDriven<W> {
         self.follow_slider(motion, inputs, h);
         self.note_closed(motion);
         if motion.statistics.steps == 1 {
-            self.stop_approach(motion, inputs)?;
-            self.count_others_at_start(motion, inputs);
+            self.stop_approach(motion)?;
+            self.count_others_at_start(motion);
         }
         while left > 0.0 {
-            let Self { series, dynamics, force, surface_acceleration, .. } = self;
+            let Self { series, dynamics, force, surface_acceleration, friction, .. } = self;
             let start = (&*motion.displacement, &*motion.velocity);
-            let now = SeriesStart { outer: force, slider: surface_acceleration, passed: h - left };
+            let (outer, slider, passed) = (force, surface_acceleration, h - left);
+            let now = SeriesStart { outer, slider, friction, passed };
             let most = Waves::reach(&inputs.waves, left);
             series.expand(dynamics, &motion.contacts, inputs, now, start, most);
             let reach = series.span();
@@ -359,23 +363,31 @@ impl<W: MotionObserver> EventDriven<W> {
                 self.fastest_here = 0.0;
             }
             if passed > 0.0 {
-                let Self { observer, dynamics, series, force, surface, .. } = self;
+                let Self { observer, dynamics, series, force, surface, friction, .. } = self;
                 let acceleration = &self.surface_acceleration;
-                let segment =
-                    Segment { dynamics, series, force, surface, acceleration, inputs, part };
+                let segment = Segment {
+                    dynamics,
+                    series,
+                    force,
+                    surface,
+                    acceleration,
+                    friction,
+                    inputs,
+                    part,
+                };
                 observer.passes(segment, motion);
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // The remaining time ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
                 self.reach(inputs, h, left);
-                self.project_onto_constraints(motion, inputs);
+                self.project_onto_constraints(motion);
                 self.note_closed(motion);
             }
             if event.is_some() {
                 for (repeats, event) in self.repeats.iter_mut().zip(&self.events) {
                     *repeats += u32::from(event.is_some());
                 }
-                self.change(motion, inputs, standstill > 0)?;
+                self.change(motion, standstill > 0)?;
                 events += 1;
                 standstill += 1;
                 let contacts = self.events.len() as u64;
@@ -414,6 +426,7 @@ impl<W: MotionObserver> EventDriven<W> {
             }
         }
         self.surface_acceleration.copy_from_slice(&inputs.slider_acceleration);
+        self.friction.copy_from_slice(&inputs.friction);
         for wave in inputs.waves.iter().filter(|wave| wave.amplitude != 0.0) {
             let passed = h - left;
             let [start, now, end] = [0.0, passed, h].map(|t| wave.after(t));
@@ -428,6 +441,10 @@ impl<W: MotionObserver> EventDriven<W> {
             for &contact in &wave.moves {
                 self.surface[contact] += above;
                 self.surface_acceleration[contact] += rate;
+            }
+            for &(contact, [kinetic, static_]) in &wave.rubs {
+                self.friction[contact].kinetic += kinetic * (now - start);
+                self.friction[contact].static_ += static_ * (now - start);
             }
         }
     }
@@ -498,25 +515,21 @@ impl<W: MotionObserver> EventDriven<W> {
     }
 
     /// Solves the impact of closed contacts that approach when a motion is started.
-    fn stop_approach(&mut self, motion: &mut Motion, inputs: &Inputs) -> Result<(), StepFailure> {
+    fn stop_approach(&mut self, motion: &mut Motion) -> Result<(), StepFailure> {
         let speed = self.speed(motion);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let approaches = motion.contacts[i] != ContactState::Detached
                 && contact.normal.dot(&motion.velocity) < -NOISE * speed;
             self.events[i] = approaches.then_some(Event::Touch);
         }
-        if self.events.iter().any(Option::is_some) {
-            self.change(motion, inputs, false)
-        } else {
-            Ok(())
-        }
+        if self.events.iter().any(Option::is_some) { self.change(motion, false) } else { Ok(()) }
     }
 
     /// Sets the gaps and velocities that contacts hold to their exact values.
-    fn project_onto_constraints(&mut self, motion: &mut Motion, inputs: &Inputs) {
+    fn project_onto_constraints(&mut self, motion: &mut Motion) {
         if self.is_inclined {
             let law = &mut self.series.law;
-            law.set(&self.dynamics, &motion.contacts, &inputs.friction);
+            law.set(&self.dynamics, &motion.contacts, &self.friction);
             law.project_positions(&self.dynamics, &mut motion.displacement);
             law.project_velocities(&self.dynamics, &self.surface, &mut motion.velocity);
         }
@@ -536,10 +549,10 @@ impl<W: MotionObserver> EventDriven<W> {
     }
 
     /// Counts at the start of a motion whether the law of contact allows another motion than the present one.
-    fn count_others_at_start(&mut self, motion: &mut Motion, inputs: &Inputs) {
+    fn count_others_at_start(&mut self, motion: &mut Motion) {
         self.events.fill(None);
         let speed = self.speed(motion);
-        self.set_up_contact_problem(motion, inputs, false, speed);
+        self.set_up_contact_problem(motion, false, speed);
         let problem = &mut self.dynamics.problem;
         // A contact problem without a solution is reported as soon as a state ends.
         let has_others = problem.solve(&motion.contacts).is_ok() && problem.has_another_solution();
@@ -548,13 +561,7 @@ impl<W: MotionObserver> EventDriven<W> {
 
     /// Sets up the contact problem in accelerations at this instant, with the constraints that the events leave to
     /// contacts. `landed`: an impact has been solved, before which the motion had this `speed` (m/s).
-    fn set_up_contact_problem(
-        &mut self,
-        motion: &Motion,
-        inputs: &Inputs,
-        landed: bool,
-        speed: f64,
-    ) {
+    fn set_up_contact_problem(&mut self, motion: &Motion, landed: bool, speed: f64) {
         self.dynamics.free_acceleration(motion, &self.force);
         let any_in_turn = self.is_in_turn(0..self.repeats.len());
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
@@ -565,12 +572,8 @@ impl<W: MotionObserver> EventDriven<W> {
             // A mass that lands while its surface begins to move has the direction that the surface takes.
             let has_fixed_state = self.dynamics.law.has_fixed_state();
             let surface = if has_fixed_state { self.heading[i] } else { self.surface[i] };
-            let held = (self.dynamics.constraint_of)(
-                inputs.friction[i],
-                slip,
-                surface,
-                ContactState::Stick,
-            );
+            let held =
+                (self.dynamics.constraint_of)(self.friction[i], slip, surface, ContactState::Stick);
             let still = NOISE * speed.max(self.surface_speed[i]);
             let slipping = |direction| held.slipping(direction);
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
@@ -652,8 +655,8 @@ impl<W: MotionObserver> EventDriven<W> {
     /// Shares the loads of contacts that stick and slip in turn at one instant and hold more directions than the masses
     /// have: the equations do not determine how these contacts share their load. They share it inside the limits of the
     /// law, or else as the contact problem has found it, until one of their states changes.
-    fn share_loads(&mut self, motion: &Motion, inputs: &Inputs) {
-        let Self { dynamics, series, surface, surface_acceleration, .. } = self;
+    fn share_loads(&mut self, motion: &Motion) {
+        let Self { dynamics, series, surface, surface_acceleration, friction, .. } = self;
         let law = &mut series.law;
         let new = |i: usize| motion.contacts[i];
         for group in 0..dynamics.problem.delassus.groups().len() {
@@ -671,13 +674,12 @@ impl<W: MotionObserver> EventDriven<W> {
             let constraint = |i: usize| match (new(i), new(i).sliding_direction()) {
                 (ContactState::Detached, _) => ContactConstraint::Open,
                 (_, direction) => {
-                    let held =
-                        constraint_of(inputs.friction[i], 0.0, surface[i], ContactState::Stick);
+                    let held = constraint_of(friction[i], 0.0, surface[i], ContactState::Stick);
                     direction.map_or(held, |direction| held.slipping(direction))
                 }
             };
             if turn && (problem.solve_inside(group, &motion.contacts, constraint) || is_found) {
-                law.set(dynamics, &motion.contacts, &inputs.friction);
+                law.set(dynamics, &motion.contacts, friction);
                 law.share(dynamics, surface_acceleration, group);
             } else {
                 law.share_no_more(dynamics, group);
@@ -687,12 +689,7 @@ impl<W: MotionObserver> EventDriven<W> {
 
     /// Changes the contact states by the events, as the law of contact decides; `again`: at the instant of the last
     /// events.
-    fn change(
-        &mut self,
-        motion: &mut Motion,
-        inputs: &Inputs,
-        again: bool,
-    ) -> Result<(), StepFailure> {
+    fn change(&mut self, motion: &mut Motion, again: bool) -> Result<(), StepFailure> {
         self.before.clone_from(&motion.contacts);
         let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
         let landed = self.events.iter().any(touched);
@@ -701,9 +698,9 @@ impl<W: MotionObserver> EventDriven<W> {
         self.observer.sees_events(&self.events, motion);
         self.stop(motion);
         if landed {
-            self.impact(motion, inputs, speed)?;
+            self.impact(motion, speed)?;
         }
-        self.set_up_contact_problem(motion, inputs, landed, speed);
+        self.set_up_contact_problem(motion, landed, speed);
         self.likely.clone_from(&motion.contacts);
         for (likely, event) in self.likely.iter_mut().zip(&self.events) {
             if matches!(event, Some(Event::Stop)) {
@@ -743,10 +740,10 @@ impl<W: MotionObserver> EventDriven<W> {
             }
         }
         if is_pressed {
-            self.set_up_contact_problem(motion, inputs, landed, speed);
+            self.set_up_contact_problem(motion, landed, speed);
         }
-        self.share_loads(motion, inputs);
-        self.project_onto_constraints(motion, inputs);
+        self.share_loads(motion);
+        self.project_onto_constraints(motion);
         self.observer.sees_states(motion);
         Ok(())
     }

@@ -2,7 +2,6 @@
 
 use super::law::{Actions, StateLaw};
 use crate::contact::{ContactState, Friction};
-use crate::integrator::Inputs;
 use crate::integrator::dynamics::Dynamics;
 
 /// The most places of a row (degrees of freedom, and multipliers that need places of their own) for
@@ -78,18 +77,17 @@ impl ReducedLaws {
         }
     }
 
-    /// The matrices of these states under the friction of this drive, with the row for these outer forces (N) and
+    /// The matrices of these states under this friction, with the row for these outer forces (N) and
     /// slider accelerations (m/s²).
     pub(super) fn of(
         &mut self,
         dynamics: &Dynamics,
         law: &mut StateLaw,
         states: &[ContactState],
-        inputs: &Inputs,
+        friction: &[Friction],
         (outer, slider): (&[f64], &[f64]),
     ) -> &Reduced {
-        let friction = &inputs.friction;
-        if self.friction != *friction {
+        if self.friction != friction {
             self.clear();
             self.friction.copy_from_slice(friction);
         }

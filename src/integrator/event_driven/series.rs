@@ -32,10 +32,10 @@ use super::law::{Actions, StateLaw, held_dofs};
 use super::reduced::{MOST_PLACES, MOST_STATES, ReducedLaws};
 use super::roots;
 use super::waves::Waves;
-use crate::contact::ContactState;
+use crate::contact::{ContactState, Friction};
 use crate::integrator::Inputs;
 use crate::integrator::dynamics::Dynamics;
-use crate::model::{Damping, Direction};
+use crate::model::{Contact, Damping, Direction};
 
 /// The highest power of the displacements.
 pub(super) const ORDER: usize = 28;
@@ -102,6 +102,9 @@ pub(super) struct Series {
     swung: Vec<f64>,
     /// Rows of the powers of waves; only for small structures.
     wave_rows: Vec<f64>,
+    /// The friction coefficients that waves drive, and one row of what they do.
+    friction_swings: Vec<FrictionSwing>,
+    friction_row: Vec<f64>,
     /// c_k, m, row by row; zero beyond the degrees of freedom.
     displacement: Vec<f64>,
     /// λ_k, N, row by row in the places of multipliers.
@@ -119,12 +122,28 @@ pub(super) struct Series {
     zeros: Vec<f64>,
 }
 
-/// The conditions at the beginning of a series: outer forces, N, accelerations of the sliders, m/s², and the time since
-/// the beginning of the step, s.
+/// The change of a friction coefficient that waves drive: of µ_s where the contact sticks, or else of T/N.
+struct FrictionSwing {
+    contact: usize,
+    slides: bool,
+    /// The powers from the first on.
+    powers: Polynomial,
+}
+
+impl FrictionSwing {
+    /// Power k of its product with N, whose powers below k are known, N.
+    fn product(&self, k: usize, normal: impl Fn(usize) -> f64) -> f64 {
+        (1..=k).fold(0.0, |sum, j| sum + self.powers[j] * normal(k - j))
+    }
+}
+
+/// The conditions at the beginning of a series: outer forces, N, accelerations of the sliders, m/s², friction
+/// coefficients, and the time since the beginning of the step, s.
 #[derive(Clone, Copy)]
 pub(super) struct SeriesStart<'a> {
     pub(super) outer: &'a [f64],
     pub(super) slider: &'a [f64],
+    pub(super) friction: &'a [Friction],
     pub(super) passed: f64,
 }
 
@@ -164,6 +183,8 @@ impl Series {
             waves: Waves::new(),
             swung: vec![0.0; contacts],
             wave_rows: Vec::new(),
+            friction_swings: Vec::with_capacity(contacts),
+            friction_row: vec![0.0; places],
             displacement: vec![0.0; (ORDER + 1) * places],
             forces: vec![0.0; (FORCE_ORDER + 1) * places],
             swing: vec![0.0; places],
@@ -211,6 +232,7 @@ impl Series {
                 *c = v * self.span;
             }
             self.waves.expand(&inputs.waves, now.passed, self.span);
+            self.swing_friction(inputs);
             match (self.reduced.is_some(), self.waves.powers() > 0) {
                 (true, false) => self.by_matrices::<false>(dynamics, inputs, now),
                 (true, true) => self.by_matrices::<true>(dynamics, inputs, now),
@@ -226,6 +248,25 @@ impl Series {
             self.shorten();
         }
         self.law.add_shared(&self.states, &mut self.forces[..self.places]);
+    }
+
+    /// Notes the friction coefficients that waves drive.
+    fn swing_friction(&mut self, inputs: &Inputs) {
+        self.friction_swings.clear();
+        if inputs.waves.iter().all(|wave| wave.rubs.is_empty()) {
+            return;
+        }
+        for (contact, state) in self.states.iter().enumerate() {
+            let direction = state.sliding_direction();
+            let part = usize::from(direction.is_none());
+            let mut powers = [0.0; ORDER + 1];
+            let is_driven = self.waves.add_friction(&inputs.waves, (contact, part), &mut powers);
+            if *state != ContactState::Detached && is_driven {
+                powers = powers.map(|power| direction.unwrap_or(1.0) * power);
+                let slides = direction.is_some();
+                self.friction_swings.push(FrictionSwing { contact, slides, powers });
+            }
+        }
     }
 
     /// Sets the degrees of freedom that the contacts hold.
@@ -270,12 +311,13 @@ impl Series {
         now: SeriesStart<'_>,
     ) {
         self.order = 0;
-        let mut rate = self.small_rate::<N>(dynamics, inputs);
+        let SeriesStart { outer, slider, friction, .. } = now;
+        let mut rate = self.small_rate::<N>(dynamics, inputs, friction);
         let waves = if WAVES { self.waves.powers() } else { 0 };
-        self.write_wave_rows(dynamics, inputs);
+        self.write_wave_rows(dynamics, inputs, friction);
         let Some(reduced) = &mut self.reduced else { return };
-        let SeriesStart { outer, slider, .. } = now;
-        let matrices = reduced.of(dynamics, &mut self.law, &self.states, inputs, (outer, slider));
+        let matrices = reduced.of(dynamics, &mut self.law, &self.states, friction, (outer, slider));
+        let slides = self.friction_swings.iter().any(|swing| swing.slides);
         let Damping { alpha, beta } = dynamics.damping;
         let is_damped = alpha != 0.0 || !dynamics.dampers.is_empty();
         let displacement = self.displacement.as_chunks_mut::<N>().0;
@@ -287,15 +329,30 @@ impl Series {
         let (is_free, carried) = (first::<N>(&self.is_free), first::<N>(&self.carried));
         let (per_span, square) = (1.0 / self.span, self.span * self.span);
         let (mut negligible, mut swing) = (0.0, [0.0; N]);
-        for (k, (row, power)) in forces.iter_mut().zip(&POWERS).enumerate() {
+        for (k, power) in POWERS.iter().enumerate() {
             let (known, new) = displacement.split_at_mut(k + 2);
             let ([.., c, next], [new, ..]) = (known, new) else { return };
+            let (past, rows) = forces.split_at_mut(k);
+            let Some(row) = rows.first_mut() else { return };
             self.order = k + 2;
-            let start = match k {
+            let mut start = match k {
                 0 => matrices.load(),
                 1 => rate,
                 _ => swings.get(k).copied().unwrap_or([0.0; N]),
             };
+            if WAVES && slides && k > 0 {
+                let (law, zeros) = (&mut self.law, &self.zeros);
+                let outer = &mut self.outer_rate;
+                outer.fill(0.0);
+                let past = past.as_flattened();
+                rub(&self.friction_swings, &dynamics.contacts, law, (past, N), k, outer);
+                let still = &zeros[..self.dofs];
+                let slider = &zeros[..self.states.len()];
+                let acting = Actions { stretch: still, velocity: still, outer, slider };
+                law.set(dynamics, &self.states, friction);
+                law.apply(dynamics, acting, &mut self.friction_row);
+                start = std::array::from_fn(|i| start[i] + self.friction_row[i]);
+            }
             // The motion that a slider imposes has no powers beyond the second, unless it oscillates.
             let all = k <= 2 + waves;
             let factor = power.ahead * per_span;
@@ -336,11 +393,16 @@ impl Series {
 
     /// Row of the rates of the outer forces, times the span.
     #[inline]
-    fn small_rate<const N: usize>(&mut self, dynamics: &Dynamics, inputs: &Inputs) -> [f64; N] {
+    fn small_rate<const N: usize>(
+        &mut self,
+        dynamics: &Dynamics,
+        inputs: &Inputs,
+        friction: &[Friction],
+    ) -> [f64; N] {
         let mut row = [0.0; N];
         if inputs.force_rate.iter().any(|rate| *rate != 0.0) {
             let zeros = &self.zeros;
-            self.law.set(dynamics, &self.states, &inputs.friction);
+            self.law.set(dynamics, &self.states, friction);
             let acting = Actions {
                 stretch: &zeros[..self.dofs],
                 velocity: &zeros[..self.dofs],
@@ -353,12 +415,12 @@ impl Series {
     }
 
     /// Writes the rows of the powers of the waves.
-    fn write_wave_rows(&mut self, dynamics: &Dynamics, inputs: &Inputs) {
+    fn write_wave_rows(&mut self, dynamics: &Dynamics, inputs: &Inputs, friction: &[Friction]) {
         let Self { law, waves, wave_rows, outer_rate, swung, zeros, dofs, places, span, .. } = self;
         if waves.powers() == 0 {
             return;
         }
-        law.set(dynamics, &self.states, &inputs.friction);
+        law.set(dynamics, &self.states, friction);
         wave_rows.resize((FORCE_ORDER + 1) * *places, 0.0);
         let rows = wave_rows.chunks_exact_mut(*places).zip(&POWERS).enumerate();
         for (k, (row, power)) in rows.take(waves.powers()).skip(1) {
@@ -375,12 +437,15 @@ impl Series {
     /// The recursion with sparse matrices.
     fn large(&mut self, dynamics: &Dynamics, inputs: &Inputs, now: SeriesStart<'_>) {
         let Self { law, stretch, velocity, zeros, outer_rate, dofs, span, waves, swung, .. } = self;
-        law.set(dynamics, &self.states, &inputs.friction);
+        law.set(dynamics, &self.states, now.friction);
+        let slides = self.friction_swings.iter().any(|swing| swing.slides);
         let places = self.places;
         let (per_span, square) = (1.0 / *span, *span * *span);
         let mut negligible = 0.0;
         self.swing.fill(0.0);
-        for (k, (row, power)) in self.forces.chunks_exact_mut(places).zip(&POWERS).enumerate() {
+        for (k, power) in POWERS.iter().enumerate() {
+            let (past, rows) = self.forces.split_at_mut(k * places);
+            let row = &mut rows[..places];
             let (known, new) = self.displacement.split_at_mut((k + 2) * places);
             let (c, next) = known[k * places..].split_at(places);
             let new = &mut new[..places];
@@ -390,12 +455,16 @@ impl Series {
                 stretch[dof] = c[dof] + dynamics.damping.beta * velocity[dof];
             }
             let swings = (1..waves.powers()).contains(&k);
+            let rubs = slides && k > 0;
             if k == 1 {
                 for (scaled, rate) in outer_rate.iter_mut().zip(&inputs.force_rate) {
                     *scaled = *span * rate;
                 }
-            } else if swings {
+            } else if swings || rubs {
                 outer_rate.fill(0.0);
+            }
+            if rubs {
+                rub(&self.friction_swings, &dynamics.contacts, law, (past, places), k, outer_rate);
             }
             if swings {
                 waves.add_forces(&inputs.waves, k, outer_rate);
@@ -405,7 +474,7 @@ impl Series {
             let outer = match k {
                 0 => now.outer,
                 1 => &*outer_rate,
-                _ if swings => &*outer_rate,
+                _ if swings || rubs => &*outer_rate,
                 _ => no_force,
             };
             let slider = match k {
@@ -470,6 +539,13 @@ impl Series {
         scale(&mut self.displacement);
         scale(&mut self.forces);
         self.waves.shorten(part);
+        for swing in &mut self.friction_swings {
+            let mut power = 1.0;
+            for value in &mut swing.powers {
+                *value *= power;
+                power *= part;
+            }
+        }
     }
 
     /// The covered time, s.
@@ -588,7 +664,12 @@ impl Series {
         if self.states[contact] != ContactState::Stick {
             let terms = self.normal_force(contact, polynomial);
             let slope = self.law.slope(contact);
-            polynomial[..terms].iter_mut().for_each(|value| *value *= slope);
+            let swing = self.friction_swing(contact);
+            // From the last power down: a power of T needs all of N below it.
+            for k in (0..terms).rev() {
+                let swung = swing.map_or(0.0, |swing| swing.product(k, |power| polynomial[power]));
+                polynomial[k] = slope * polynomial[k] + swung;
+            }
             return terms;
         }
         let [_, tangent] = self.law.places(contact);
@@ -613,7 +694,17 @@ impl Series {
             *value = friction * forces[row + normal] - sign * forces[row + tangent];
             row += places;
         }
+        if let Some(swing) = self.friction_swing(contact) {
+            for (k, value) in polynomial[..terms].iter_mut().enumerate() {
+                *value += swing.product(k, |power| forces[power * places + normal]);
+            }
+        }
         terms
+    }
+
+    /// The change of the friction coefficient of a contact; `None` if no wave drives it.
+    fn friction_swing(&self, contact: usize) -> Option<&FrictionSwing> {
+        self.friction_swings.iter().find(|swing| swing.contact == contact)
     }
 
     /// Normal force N of a contact at the beginning, N.
@@ -635,6 +726,12 @@ impl Series {
     pub(super) fn least_normal_force(&self, contact: usize) -> f64 {
         let [normal, _] = self.law.places(contact);
         self.forces[normal] - self.swing[normal]
+    }
+
+    /// Lower bound of µ N of a contact that sticks over the span, N; `friction` is µ at the beginning.
+    pub(super) fn least_limit(&self, contact: usize, friction: f64) -> f64 {
+        let lost = self.friction_swing(contact).map_or(0.0, |swing| size(&swing.powers));
+        f64::max(friction - lost, 0.0) * self.least_normal_force(contact)
     }
 
     /// Upper bound of |T| of a contact that sticks over the span, N.
@@ -660,6 +757,23 @@ impl Series {
         for (value, row) in values.iter_mut().zip(rows.chunks_exact(self.places)) {
             *value = direction.dot(row);
         }
+    }
+}
+
+/// Adds power k of the forces that changes of friction coefficients cause at contacts that slide, N. `past` has the
+/// powers of the forces below k, in rows of this many places.
+fn rub(
+    swings: &[FrictionSwing],
+    contacts: &[Contact],
+    law: &StateLaw,
+    (past, places): (&[f64], usize),
+    k: usize,
+    outer: &mut [f64],
+) {
+    for swing in swings.iter().filter(|swing| swing.slides) {
+        let [normal, _] = law.places(swing.contact);
+        let force = swing.product(k, |power| past[power * places + normal]);
+        contacts[swing.contact].tangent.add_to(outer, force);
     }
 }
 

@@ -47,7 +47,7 @@ impl<W: MotionObserver> EventDriven<W> {
                 (self.events[i], first) = (Some(Event::Part), Some(0.0));
                 continue;
             }
-            let watched = self.watched(i, motion.contacts[i], inputs, bend);
+            let watched = self.watched(i, motion.contacts[i], bend);
             for (event, size) in watched.into_iter().flatten() {
                 let terms = self.fill(i, event, inputs);
                 let p = &self.polynomial[..terms];
@@ -80,7 +80,6 @@ impl<W: MotionObserver> EventDriven<W> {
         &self,
         contact: usize,
         state: ContactState,
-        inputs: &Inputs,
         bend: f64,
     ) -> [Option<(Event, [f64; 3])>; MOST_WATCHED] {
         let span = self.series.span();
@@ -91,7 +90,7 @@ impl<W: MotionObserver> EventDriven<W> {
             let size = self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
             doubt * (size + self.pulled_forces(contact, self.series.power(0)))
         };
-        let friction = inputs.friction[contact].static_;
+        let friction = self.friction[contact].static_;
         // Gaps and slips between masses are differences of larger values, which lose digits. Putting them
         // where they belong passes that on to all contacts that share masses.
         let of_power = |k| if self.is_inclined { DIFFERENCE * self.series.largest(k) } else { 0.0 };
@@ -120,7 +119,7 @@ impl<W: MotionObserver> EventDriven<W> {
                 if self.dynamics.problem.delassus.local(contact).is_singular() {
                     return [Some((Event::Lift, [force(); 3])), left[0], left[1], None, None];
                 }
-                let least = friction * self.series.least_normal_force(contact);
+                let least = self.series.least_limit(contact, friction);
                 if least > self.series.most_stuck_force(contact) {
                     return [left[0], left[1], None, None, None];
                 }
@@ -237,7 +236,8 @@ impl<W: MotionObserver> EventDriven<W> {
 
     /// Writes the watched function as a polynomial; returns its number of terms.
     fn fill(&mut self, contact: usize, event: Event, inputs: &Inputs) -> usize {
-        let Self { series, dynamics, polynomial, surface, surface_acceleration, .. } = self;
+        let Self { series, dynamics, polynomial, friction, surface, surface_acceleration, .. } =
+            self;
         let rows = &dynamics.contacts[contact];
         match event {
             Event::Touch | Event::Part => series.along(&rows.normal, polynomial),
@@ -260,7 +260,7 @@ impl<W: MotionObserver> EventDriven<W> {
             Event::Lift => series.normal_force(contact, polynomial),
             Event::Slip(direction) => {
                 let sign = direction.sliding_direction().unwrap_or(1.0);
-                series.reserve(contact, inputs.friction[contact].static_, sign, polynomial)
+                series.reserve(contact, friction[contact].static_, sign, polynomial)
             }
         }
     }

@@ -108,6 +108,26 @@ impl Waves {
         }
     }
 
+    /// Adds the powers, from the first on, of a contact's µ_k or µ_s (`part` 0 or 1); `false` if no wave drives it.
+    pub(super) fn add_friction(
+        &self,
+        waves: &[Wave],
+        (contact, part): (usize, usize),
+        polynomial: &mut Polynomial,
+    ) -> bool {
+        let mut is_driven = false;
+        for (wave, values) in waves.iter().zip(&self.values) {
+            let own = wave.rubs.iter().filter(|rubbed| rubbed.0 == contact);
+            for factor in own.map(|rubbed| rubbed.1[part]) {
+                is_driven |= factor * wave.amplitude != 0.0;
+                for (sum, value) in polynomial.iter_mut().zip(values).take(self.powers).skip(1) {
+                    *sum += factor * value;
+                }
+            }
+        }
+        is_driven
+    }
+
     /// Adds the powers of a slider's velocity (m/s) from the second on: power k times `factor` · `ratio`ᵏ.
     pub(super) fn add_velocity(
         &self,

@@ -32,8 +32,8 @@ impl Case {
 
     fn expand(&self, (dynamics, series): &mut (Dynamics, Series), states: &[ContactState]) {
         let start = (&*self.x, &*self.v);
-        let Inputs { force, slider_acceleration, .. } = &self.inputs;
-        let now = SeriesStart { outer: force, slider: slider_acceleration, passed: 0.0 };
+        let Inputs { force, slider_acceleration, friction, .. } = &self.inputs;
+        let now = SeriesStart { outer: force, slider: slider_acceleration, friction, passed: 0.0 };
         series.expand(dynamics, states, &self.inputs, now, start, 1e-3);
     }
 }
