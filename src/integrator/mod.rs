@@ -121,8 +121,8 @@ impl Statistics {
 
 /// The inputs of a motion over a step, or over several equal steps: forces, slider velocities and friction.
 ///
-/// The forward increment scheme takes the forces at the beginning and the velocities at the end of a step; the
-/// event-driven integrator lets both change linearly, plus the waves.
+/// The forward increment scheme takes forces and friction at the beginning and velocities at the end of a step; the
+/// event-driven integrator lets all change linearly, plus the waves.
 ///
 /// ```
 /// use amontons::integrator::Inputs;
@@ -144,6 +144,8 @@ pub struct Inputs {
     pub slider_acceleration: Vec<f64>,
     /// Friction coefficients at the beginning; one item for each contact.
     pub friction: Vec<Friction>,
+    /// Rates of µ_k and µ_s without the waves, 1/s; one item for each contact.
+    pub friction_rate: Vec<[f64; 2]>,
     /// The oscillating parts of forces, slider velocities and friction coefficients. The values above include them at
     /// their instants; event-driven motion also follows them in between.
     pub waves: Vec<Wave>,
@@ -203,6 +205,7 @@ impl Inputs {
             slider_velocity: vec![slider_velocity; contacts],
             slider_acceleration: vec![0.0; contacts],
             friction: vec![friction.into(); contacts],
+            friction_rate: vec![[0.0; 2]; contacts],
             waves: Vec::new(),
         }
     }

@@ -18,7 +18,7 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// `true` if the signal drives a friction coefficient. Every integrator holds these constant over a step.
+    /// `true` if the signal drives a friction coefficient.
     #[must_use]
     pub fn drives_friction(&self) -> bool {
         let last = self.input.rsplit('.').next().unwrap_or_default();

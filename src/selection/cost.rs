@@ -80,11 +80,11 @@ impl Cost {
     /// mode.
     #[must_use]
     pub fn driven(self, signals: &[Signal]) -> Self {
-        let followed = signals.iter().filter(|signal| !signal.drives_friction());
-        let frequency = followed.fold(self.frequency, |fastest, signal| match &signal.shape {
-            Shape::Sine(sine) => fastest.max(TAU * sine.frequency),
-            _ => fastest,
-        });
+        let frequency =
+            signals.iter().fold(self.frequency, |fastest, signal| match &signal.shape {
+                Shape::Sine(sine) => fastest.max(TAU * sine.frequency),
+                _ => fastest,
+            });
         Self { frequency, ..self }
     }
 

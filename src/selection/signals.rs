@@ -9,9 +9,8 @@ const ON_THE_GRID: f64 = 1e-6;
 /// Largest angle of a sine in one step of event-driven motion, rad.
 const MOST_RADIANS: f64 = 1e5;
 
-/// The relative error that a signal causes. Event-driven motion follows forces and velocities as they are, and stops at
-/// their edges; it holds friction over a step. The paper's scheme holds all signals over a step, and an edge within a
-/// step comes late.
+/// The relative error that a signal causes. Event-driven motion follows signals as they are, and stops at their edges. The
+/// paper's scheme holds them over a step, and an edge within a step comes late.
 pub(super) fn error(
     signal: &Signal,
     scene: &Scene,
@@ -19,8 +18,7 @@ pub(super) fn error(
     step: f64,
     frequency: f64,
 ) -> f64 {
-    let is_exact = method == Method::EventDriven;
-    if is_exact && !signal.drives_friction() {
+    if method == Method::EventDriven {
         return match &signal.shape {
             Shape::Sine(sine) if TAU * sine.frequency * step > MOST_RADIANS => f64::INFINITY,
             _ => 0.0,
@@ -29,8 +27,7 @@ pub(super) fn error(
     let stop = scene.experiment.stop_time;
     let late = |time: f64| {
         let off = (time / step - (time / step).round()).abs();
-        let is_met = is_exact || off <= ON_THE_GRID;
-        if time <= 0.0 || time >= stop || is_met { 0.0 } else { step }
+        if time <= 0.0 || time >= stop || off <= ON_THE_GRID { 0.0 } else { step }
     };
     let jump = |time: f64| frequency * late(time);
     // The part of a change that a step holds back.
@@ -68,24 +65,21 @@ mod tests {
     use super::*;
     use crate::scene::{Pulse, Ramp, Sine, builtin};
 
-    fn of(input: &str, shape: Shape, method: Method, step: f64) -> f64 {
+    fn of(shape: Shape, method: Method, step: f64) -> f64 {
         let scene = builtin("set1").unwrap().scene();
-        error(&Signal { input: input.to_owned(), shape }, &scene, method, step, 1e3)
+        error(&Signal { input: "module[1].f1".to_owned(), shape }, &scene, method, step, 1e3)
     }
 
     #[test]
     fn edges_cost_exact_motion_nothing_wherever_they_are() {
-        let of_method = |method, shape, step| of("module[1].f1", shape, method, step);
-        let exact = |shape, step| of_method(Method::EventDriven, shape, step);
+        let exact = |shape, step| of(shape, Method::EventDriven, step);
         let pulse = || Shape::Pulse(Pulse { value: 1.0, start: 0.25, end: Some(0.5) });
         assert_eq!([0.05, 0.1].map(|step| exact(pulse(), step)), [0.0; 2]);
-        let scheme = |step| of_method(Method::ForwardIncrement, pulse(), step);
+        let scheme = |step| of(pulse(), Method::ForwardIncrement, step);
         assert_eq!([0.05, 0.1].map(scheme), [0.0, 1e3 * 0.1]);
         let ramp = || Shape::Ramp(Ramp { from: 0.0, to: 1.0, start: 0.0, end: 0.3 });
         assert_eq!([0.1, 0.2].map(|step| exact(ramp(), step)), [0.0; 2]);
-        // Held over a step, friction is behind by half of it however the step is placed.
-        assert!(of("friction.coefficient", ramp(), Method::EventDriven, 0.1) > 0.3);
-        assert!(of("module[1].f1", ramp(), Method::ForwardIncrement, 0.1) > 0.3);
+        assert!(of(ramp(), Method::ForwardIncrement, 0.1) > 0.3);
     }
 
     #[test]
@@ -94,11 +88,11 @@ mod tests {
             let sine = Sine { amplitude: 1.0, frequency: 3.0, phase: 0.0, start: 0.0, end: None };
             Shape::Sine(sine)
         };
-        let exact = |input: &str, step| of(input, sine(), Method::EventDriven, step);
-        assert_eq!(exact("module[1].f1", 1e-3), 0.0);
+        let exact = |step| of(sine(), Method::EventDriven, step);
+        assert_eq!(exact(1e-3), 0.0);
         // One step cannot follow any number of periods.
-        assert_eq!(exact("module[1].f1", 1e4), f64::INFINITY);
-        let held = |step| exact("friction.coefficient", step);
+        assert_eq!(exact(1e4), f64::INFINITY);
+        let held = |step| of(sine(), Method::ForwardIncrement, step);
         assert!((held(1e-3) / held(5e-4) - 2.0).abs() < 1e-9);
     }
 }

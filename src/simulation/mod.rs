@@ -284,7 +284,9 @@ impl Simulation {
         self.stale.inputs = true;
         self.update_inputs([now, now])?;
         if let Some(driven) = &self.driven {
-            driven.bring_waves(now, &mut self.inputs.waves);
+            let model = &self.model;
+            let has_friction = |contact: usize| model.rubs(&model.contacts[contact]);
+            driven.bring_waves(now, has_friction, &mut self.inputs.waves);
         }
         Ok(&self.inputs)
     }
@@ -501,7 +503,16 @@ impl Simulation {
     /// Brings the rates of change during a step between these times (s) up to date.
     fn update_rates(&mut self, span: [f64; 2], step: f64) {
         let Some(driven) = &self.driven else { return };
-        driven.bring_waves(span[0], &mut self.inputs.waves);
+        let model = &self.model;
+        let has_friction = |contact: usize| model.rubs(&model.contacts[contact]);
+        driven.bring_waves(span[0], has_friction, &mut self.inputs.waves);
+        self.inputs.friction_rate.fill([0.0; 2]);
+        for (rubs, rate) in driven.friction_rates(span[0]) {
+            for &(contact, change) in rubs.iter().filter(|rubbed| has_friction(rubbed.0)) {
+                let own = &mut self.inputs.friction_rate[contact];
+                *own = [0, 1].map(|part| own[part] + change[part] * rate);
+            }
+        }
         for (i, acceleration) in self.inputs.slider_acceleration.iter_mut().enumerate() {
             *acceleration = driven.slider_change(span, i) / step;
         }
@@ -588,33 +599,7 @@ fn input_effect(
         }
         _ => Vec::new(),
     };
-    let moves = moved_contacts(scene, variable);
-    InputEffect { pushes, moves, rubs: rubbed_contacts(scene, model, variable) }
-}
-
-/// The contacts whose µ_k or µ_s an input changes, each with the changes for one unit of the input.
-fn rubbed_contacts(
-    scene: &Scene,
-    model: &LumpedModel,
-    variable: &Variable,
-) -> Vec<(usize, [f64; 2])> {
-    let mut other = scene.clone();
-    let Some(value) = values::place_in(&mut other, variable) else { return Vec::new() };
-    *value += 1.0;
-    let changes = model.contacts.iter().enumerate().map(|(i, contact)| {
-        let [old, new] = [scene, &other].map(|scene| scene.friction_of(i));
-        // Each is 0 or 1.
-        let change = |part: fn(&Friction) -> f64| (part(&new) - part(&old)).round();
-        let rubs = f64::from(u8::from(model.rubs(contact)));
-        (
-            i,
-            [
-                rubs * change(|friction| friction.kinetic),
-                rubs * change(|friction| friction.static_),
-            ],
-        )
-    });
-    changes.filter(|(_, change)| *change != [0.0; 2]).collect()
+    InputEffect { pushes, moves: moved_contacts(scene, variable) }
 }
 
 /// Error message for values that have made the step too long; the step itself may be fixed by now.

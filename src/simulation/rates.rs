@@ -16,8 +16,8 @@ pub(super) struct SavedRate {
 
 impl Simulation {
     /// Lets an input change by `rate`, per second, from now on to the end of the next advance; after that it keeps
-    /// the value that it has reached. Velocities of sliders and loads change linearly, friction coefficients from
-    /// step to step.
+    /// the value that it has reached. The paper's scheme takes forces and friction from step to step, event-driven motion
+    /// lets all inputs change linearly.
     ///
     /// # Errors
     /// Returns an error if the variable is not an input, or the rate is not a finite number.

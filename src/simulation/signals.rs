@@ -2,9 +2,10 @@
 
 use super::catalogue::Quantity;
 use super::clock::NOTHING;
-use super::values::{check_value, write_scene};
+use super::values::{check_value, place_in, write_scene};
 use super::{Parameters, Variable};
 use crate::Error;
+use crate::contact::Friction;
 use crate::error::Short;
 use crate::integrator::Wave;
 use crate::scene::{Method, Scene, Shape, Signal, Sine};
@@ -33,6 +34,8 @@ struct Input {
     effective: f64,
     /// Contacts whose surface the input moves, in ascending order.
     moves: Vec<usize>,
+    /// Contacts whose µ_k or µ_s the input changes, each with the changes for one unit of the input.
+    rubs: Vec<(usize, [f64; 2])>,
     /// Indices of the input's signals in the scene.
     signals: Vec<usize>,
     /// Ramp that an importer adds to the input over a step.
@@ -48,13 +51,11 @@ pub(super) struct InputRamp {
     pub(super) is_over: bool,
 }
 
-/// Effect of an input: degrees of freedom with the force for one unit of the input, N, contacts whose sliders it moves,
-/// and contacts with the change of µ_k and µ_s for one unit.
+/// Effect of an input: degrees of freedom with the force for one unit of the input, N, and contacts whose sliders it moves.
 #[derive(Default)]
 pub(super) struct InputEffect {
     pub(super) pushes: Vec<(usize, f64)>,
     pub(super) moves: Vec<usize>,
-    pub(super) rubs: Vec<(usize, [f64; 2])>,
 }
 
 impl InputRamp {
@@ -75,12 +76,26 @@ pub(super) fn moved_contacts(scene: &Scene, input: &Variable) -> Vec<usize> {
     }
 }
 
+/// The contacts whose µ_k or µ_s an input changes, each with the changes for one unit of the input.
+fn rubbed_contacts(scene: &Scene, input: &Variable) -> Vec<(usize, [f64; 2])> {
+    let mut other = scene.clone();
+    let Some(value) = place_in(&mut other, input) else { return Vec::new() };
+    *value += 1.0;
+    let changes = (0..scene.contact_count()).map(|contact| {
+        let [old, new] = [scene, &other].map(|scene| scene.friction_of(contact));
+        // Each is 0 or 1.
+        let change = |part: fn(&Friction) -> f64| (part(&new) - part(&old)).round();
+        (contact, [change(|friction| friction.kinetic), change(|friction| friction.static_)])
+    });
+    changes.filter(|(_, change)| *change != [0.0; 2]).collect()
+}
+
 impl Input {
     fn new(scene: &Scene, nominal: &Parameters, place: usize) -> Self {
         let variable = nominal.variable(place).expect("a place among the parameters").clone();
         let moves = moved_contacts(scene, &variable);
-        let effective = nominal.number(place);
-        Self { variable, place, effective, moves, signals: Vec::new(), ramp: None }
+        let (effective, rubs) = (nominal.number(place), rubbed_contacts(scene, &variable));
+        Self { variable, place, effective, moves, rubs, signals: Vec::new(), ramp: None }
     }
 }
 
@@ -254,28 +269,36 @@ impl DrivenInputs {
     /// The sines that drive the motion; `reach` gives the effect of an input. Empty if the motion uses values at the
     /// ends of steps.
     pub(super) fn waves(&self, effect_of: impl Fn(&Variable) -> InputEffect) -> Vec<Wave> {
-        let wave = |(variable, sine): (&Variable, &Sine)| {
-            let InputEffect { pushes, moves, rubs } = effect_of(variable);
-            let pulsation = TAU * sine.frequency;
+        let wave = |(input, sine): (&Input, &Sine)| {
+            let InputEffect { pushes, moves } = effect_of(&input.variable);
+            let (pulsation, rubs) = (TAU * sine.frequency, input.rubs.clone());
             Wave { amplitude: 0.0, pulsation, phase: 0.0, pushes, moves, rubs }
         };
         self.sines().map(wave).collect()
     }
 
-    /// Updates the waves for a step that begins at time `t` (s).
-    pub(super) fn bring_waves(&self, t: f64, waves: &mut [Wave]) {
-        for (wave, (_, sine)) in waves.iter_mut().zip(self.sines()) {
+    /// Updates the waves for a step that begins at time `t` (s); `has_friction` tells whether a contact has any.
+    pub(super) fn bring_waves(
+        &self,
+        t: f64,
+        has_friction: impl Fn(usize) -> bool,
+        waves: &mut [Wave],
+    ) {
+        for (wave, (input, sine)) in waves.iter_mut().zip(self.sines()) {
             wave.amplitude = if sine.is_on(t + self.slack) { sine.amplitude } else { 0.0 };
             wave.phase = sine.phase_at(t);
+            for ((contact, change), (_, own)) in wave.rubs.iter_mut().zip(&input.rubs) {
+                *change = if has_friction(*contact) { *own } else { [0.0; 2] };
+            }
         }
     }
 
     /// The sines that the motion follows as waves, each with the input that it drives.
-    fn sines(&self) -> impl Iterator<Item = (&Variable, &Sine)> {
+    fn sines(&self) -> impl Iterator<Item = (&Input, &Sine)> {
         let all = self.inputs.iter().filter(|_| self.is_followed);
         all.flat_map(move |input| {
-            self.shapes(input).filter_map(|shape| match shape {
-                Shape::Sine(sine) => Some((&input.variable, sine)),
+            self.shapes(input).filter_map(move |shape| match shape {
+                Shape::Sine(sine) => Some((input, sine)),
                 _ => None,
             })
         })
@@ -309,12 +332,23 @@ impl DrivenInputs {
             let quantity = input.variable.template.quantity;
             matches!(quantity, Quantity::ExternalForce | Quantity::Preload)
         });
-        loads.map(move |input| {
-            let ramp = input.ramp.map_or(0.0, |ramp| ramp.rate);
-            let shapes = self.shapes(input).filter(|shape| !self.is_wave(shape));
-            let rate = shapes.fold(0.0 + ramp, |sum, shape| sum + shape.rate(t, self.slack));
-            (&input.variable, rate)
-        })
+        loads.map(move |input| (&input.variable, self.rate_without_waves(input, t)))
+    }
+
+    /// The driven friction coefficients: contacts with the changes of µ_k and µ_s for one unit of an input, and its rate
+    /// of change from time `t` (s) on, per second, without the [`waves`](Self::waves).
+    pub(super) fn friction_rates(
+        &self,
+        t: f64,
+    ) -> impl Iterator<Item = (&[(usize, [f64; 2])], f64)> {
+        let rubbing = self.inputs.iter().filter(|input| !input.rubs.is_empty());
+        rubbing.map(move |input| (&*input.rubs, self.rate_without_waves(input, t)))
+    }
+
+    fn rate_without_waves(&self, input: &Input, t: f64) -> f64 {
+        let ramp = input.ramp.map_or(0.0, |ramp| ramp.rate);
+        let shapes = self.shapes(input).filter(|shape| !self.is_wave(shape));
+        shapes.fold(0.0 + ramp, |sum, shape| sum + shape.rate(t, self.slack))
     }
 
     /// The sum of `sum` and the rate of change of an input from time `t` (s) on, per second.

@@ -485,100 +485,106 @@ fn a_state_from_before_its_signal_made_friction_impossible_can_be_gone_back_to()
     assert!(Simulation::resume(saved).unwrap().advance_to(0.011).unwrap_err().is_step());
 }
 
-/// A block on a belt that runs at 100 m/s, pressed by 10 N; an inclined spring lets N follow x. µ = 0.4 + 0.2 sin(30 t + 0.5).
-const SWINGING_FRICTION: &str = r#"
-[slider]
-velocity = 100.0
-angle = 0.0
-[friction]
-coefficient = 0.4
-[[mass]]
-name = "a"
-mass = 1.0
-force = [0.0, -10.0]
-[[initial]]
-mass = "a"
-vx = 0.3
-[[spring]]
-name = "k"
-between = ["a", "ground"]
-direction = 0.6435011087932844
-stiffness = 150.0
-[[contact]]
-name = "c"
-mass = "a"
-[[signal]]
-input = "friction.coefficient"
-sine = { amplitude = 0.2, frequency = 4.774648292756860, phase = 0.5 }
-[integrator]
-method = "event-driven"
-"#;
+/// A block that is pressed by 10 N, on a spring that is inclined, so that N follows x.
+fn rubbing_block(name: &str) -> String {
+    format!(
+        "[[mass]]\nname = \"{name}\"\nmass = 1.0\nforce = [0.0, -10.0]\n[[initial]]\nmass = \"{name}\"\nvx = 0.3\n\
+         [[spring]]\nname = \"k{name}\"\nbetween = [\"{name}\", \"ground\"]\ndirection = 0.6435011087932844\n\
+         stiffness = 150.0\n[[contact]]\nname = \"c{name}\"\nmass = \"{name}\"\n"
+    )
+}
 
-/// Displacement at time `t` (s) of ẍ = −96 x + µ(t) (10 + 72 x) from the equilibrium at time 0, by steps of a Runge–Kutta
-/// method.
-fn swinging_friction(t: f64) -> f64 {
-    let first = 0.4 + 0.2 * 0.5_f64.sin();
-    let equilibrium = first * 10.0 / (96.0 - first * 72.0);
-    let (mut y, steps) = ([equilibrium, 0.3], 20_000);
-    let h = t / f64::from(steps);
-    let rate = |[x, v]: [f64; 2], t: f64| {
-        let friction = 0.4 + 0.2 * (TAU * 4.774648292756860 * t + 0.5).sin();
-        [v, -96.0 * x + friction * (10.0 + 72.0 * x)]
-    };
+/// The block on a belt that runs at 100 m/s, with a signal for µ = 0.4; followed by `more`.
+fn driven_friction(signal: &str, step: f64, more: &str) -> Scene {
+    let block = rubbing_block("a");
+    let text = format!(
+        "[slider]\nvelocity = 100.0\nangle = 0.0\n[friction]\ncoefficient = 0.4\n{block}[[signal]]\n\
+         input = \"friction.coefficient\"\n{signal}\n[integrator]\nmethod = \"event-driven\"\nstep = {step:?}\n{more}"
+    );
+    parse("rubs", &text).unwrap()
+}
+
+/// Displacement of the block at time `t` (s): ẍ = −96 x + µ(t) (10 + 72 x) from the equilibrium at time 0, by steps of a
+/// Runge–Kutta method from each of the edges to the next.
+fn rubbed(friction: impl Fn(f64) -> f64, edges: &[f64], t: f64) -> f64 {
+    const STEPS: u32 = 20_000;
+    let equilibrium = friction(0.0) * 10.0 / (96.0 - friction(0.0) * 72.0);
+    let rate = |[x, v]: [f64; 2], t: f64| [v, -96.0 * x + friction(t) * (10.0 + 72.0 * x)];
     let along = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
-    for i in 0..steps {
-        let t = h * f64::from(i);
-        let k1 = rate(y, t);
-        let k2 = rate(along(y, k1, 0.5 * h), t + 0.5 * h);
-        let k3 = rate(along(y, k2, 0.5 * h), t + 0.5 * h);
-        let k4 = rate(along(y, k3, h), t + h);
-        y = [0, 1].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+    let (mut y, mut from) = ([equilibrium, 0.3], 0.0);
+    for to in edges.iter().copied().filter(|edge| *edge < t).chain([t]) {
+        let h = (to - from) / f64::from(STEPS);
+        for i in 0..STEPS {
+            let t = from + h * f64::from(i);
+            let k1 = rate(y, t);
+            let k2 = rate(along(y, k1, 0.5 * h), t + 0.5 * h);
+            let k3 = rate(along(y, k2, 0.5 * h), t + 0.5 * h);
+            let k4 = rate(along(y, k3, h), t + h);
+            y = [0, 1].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+        }
+        from = to;
     }
     y[0] - equilibrium
 }
 
+const SINE: &str = "sine = { amplitude = 0.2, frequency = 4.75, phase = 0.5 }";
+
+fn sine(t: f64) -> f64 {
+    0.4 + 0.2 * (TAU * 4.75 * t + 0.5).sin()
+}
+
 #[test]
-fn a_sine_of_friction_is_followed_to_the_last_digits_whatever_the_step_is() {
+fn driven_friction_is_followed_to_the_last_digits_whatever_the_step_is() {
     // Friction was held over a step once: the error was of first order.
+    let ramp = |t: f64| 0.4 + 0.3 * ((t - 0.13) / 0.61).clamp(0.0, 1.0);
     for step in [1e-3, 0.02, 0.25] {
-        let scene = parse("rubs", &format!("{SWINGING_FRICTION}step = {step:?}\n")).unwrap();
-        for (t, x) in [0.5, 2.0].into_iter().zip(displacements(scene, &[0.5, 2.0])) {
-            let expected = swinging_friction(t);
-            assert!((x - expected).abs() < 1e-12, "{x} {expected} at {t} s, step {step}");
+        let displacement = |signal, t| displacements(driven_friction(signal, step, ""), &[t])[0];
+        for t in [0.5, 2.0] {
+            for (signal, expected) in [
+                (SINE, rubbed(sine, &[], t)),
+                ("ramp = { to = 0.3, start = 0.13, end = 0.74 }", rubbed(ramp, &[0.13, 0.74], t)),
+            ] {
+                let x = displacement(signal, t);
+                assert!((x - expected).abs() < 1e-12, "{x} {expected} at {t} s, {step}, {signal}");
+            }
         }
     }
 }
 
 #[test]
-fn a_sine_of_friction_of_a_large_structure_is_followed_too() {
-    // Twelve blocks on the belt have too many directions for full matrices.
-    let blocks = (0..12).map(|i| {
-        let name = format!("b{i}");
-        format!(
-            "[[mass]]\nname = \"{name}\"\nmass = 1.0\nforce = [0.0, -10.0]\n[[initial]]\nmass = \"{name}\"\nvx = 0.3\n[[spring]]\n\
-             name = \"k{name}\"\nbetween = [\"{name}\", \"ground\"]\ndirection = 0.6435011087932844\nstiffness = 150.0\n\
-             [[contact]]\nname = \"c{name}\"\nmass = \"{name}\"\n"
-        )
-    });
-    let text = format!("{SWINGING_FRICTION}step = 0.1\n{}", blocks.collect::<String>());
-    let found = displacements(parse("rub", &text).unwrap(), &[2.0])[0];
-    let expected = swinging_friction(2.0);
+fn driven_friction_of_a_large_structure_is_followed_too() {
+    // Thirteen blocks have too many directions for full matrices.
+    let others: String = (0..12).map(|i| rubbing_block(&format!("b{i}"))).collect();
+    let found = displacements(driven_friction(SINE, 0.1, &others), &[2.0])[0];
+    let expected = rubbed(sine, &[], 2.0);
     assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+}
+
+#[test]
+fn a_rate_of_friction_from_an_importer_is_followed() {
+    let constant = "constant = { value = 0.0 }";
+    let mut simulation = Simulation::new(driven_friction(constant, 0.05, ""), 0.0).unwrap();
+    let [x, friction] =
+        ["mass.a.x", "friction.coefficient"].map(|name| variable(simulation.scene(), name));
+    simulation.set_rate(&friction, 0.2).unwrap();
+    simulation.advance_to(1.0).unwrap();
+    let expected = rubbed(|t| 0.4 + 0.2 * t, &[], 1.0);
+    assert!((simulation.read(&x).unwrap() - expected).abs() < 1e-12);
 }
 
 #[test]
 fn a_block_lets_go_where_a_falling_sine_of_static_friction_meets_its_force() {
     // A belt at 0.2 m/s carries the block from the equilibrium in sliding, where the spring holds 3 N. It holds 40 N/s t more
-    // when it reaches µ_s N = 10 N (0.6 + 0.1 sin 9 t).
+    // when it reaches µ_s N = 10 N (0.6 + 0.1 sin ωt).
     let text = "[slider]\nvelocity = 0.2\nangle = 0.0\n[friction]\ncoefficient = 0.3\nstatic = 0.6\n[integrator]\n\
         method = \"event-driven\"\nstep = 0.05\n[[mass]]\nname = \"a\"\nmass = 1.0\nforce = [0.0, -10.0]\n\
         [[initial]]\nmass = \"a\"\nvx = 0.2\n[[spring]]\nname = \"k\"\nbetween = [\"a\", \"ground\"]\ndirection = \"x\"\n\
         stiffness = 200.0\n[[contact]]\nname = \"c\"\nmass = \"a\"\n[[signal]]\n\
-        input = \"friction.static\"\nsine = { amplitude = 0.1, frequency = 1.4323944878270580 }";
+        input = \"friction.static\"\nsine = { amplitude = 0.1, frequency = 1.5 }";
     let (mut low, mut high) = (0.0, 0.3);
     for _ in 0..60 {
         let t = f64::midpoint(low, high);
-        let is_before = 3.0 + 40.0 * t < 10.0 * (0.6 + 0.1 * (9.0_f64 * t).sin());
+        let is_before = 3.0 + 40.0 * t < 10.0 * (0.6 + 0.1 * (TAU * 1.5 * t).sin());
         if is_before { low = t } else { high = t }
     }
     // Then ẍ = −200 x about that equilibrium, from x₁ = 0.2 t₁ and ẋ = 0.2.
@@ -594,14 +600,10 @@ fn a_block_lets_go_where_a_falling_sine_of_static_friction_meets_its_force() {
 }
 
 #[test]
-fn under_a_sine_of_friction_no_energy_is_lost_from_the_ledger() {
-    let text = format!("{SWINGING_FRICTION}step = 0.05\n[effects]\nenergy = true\n");
-    let mut simulation = Simulation::new(parse("ledger", &text).unwrap(), 0.0).unwrap();
+fn under_driven_friction_no_energy_is_lost_from_the_ledger() {
+    let scene = driven_friction(SINE, 0.05, "[effects]\nenergy = true\n");
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
     simulation.advance_to(2.0).unwrap();
-    let mut read = |name: &str| {
-        let variable = variable(simulation.scene(), name);
-        simulation.read(&variable).unwrap()
-    };
-    let (residual, slider) = (read("energy.residual"), read("energy.slider"));
-    assert!(residual.abs() < 1e-13 * slider.abs(), "{residual} of {slider}");
+    let energy = simulation.energy().unwrap();
+    assert!(energy.residual.abs() < 1e-13 * energy.slider.abs(), "{energy:?}");
 }

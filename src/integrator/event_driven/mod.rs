@@ -11,9 +11,8 @@
 //!
 //! # The algorithm
 //!
-//! One internal step of length h (s) has seven stages ([`Integrator::advance`]). Over the step F and v change
-//! linearly, F from its value at the beginning, v to its value at the end, plus waves ([`waves`]); µ_s and µ_k keep
-//! their values at the beginning, so a signal that drives them acts as a staircase, late by h/2 in the mean.
+//! One internal step of length h (s) has seven stages ([`Integrator::advance`]). Over the step F, v, µ_s and µ_k change
+//! linearly, v to its value at the end, the others from theirs at the beginning, plus waves ([`waves`]).
 //!
 //! 1. **Start.** The remaining time of the step is `left` = h. A closed contact with |v_r| above rounding takes the
 //!    sliding state of the sign of v_r: the velocity of its surface may have jumped since the last step. In the first
@@ -27,7 +26,7 @@
 //!
 //!    where F_k and v̇_k are the powers of the outer forces and of the accelerations of the surfaces. The forces λ_k
 //!    follow from linear equations: λ_k = 0 of an open contact; G_N a_k = 0 of a closed one, with G_T a_k = v̇_k
-//!    where it sticks, or T_k = σ µ_k N_k where it slips. [`series`] says how many powers are used, and how long τ
+//!    where it sticks, or T_k = σ Σ_j µ_j N_{k−j} where it slips, with the powers µ_j of µ_k. [`series`] says how many powers are used, and how long τ
 //!    is.
 //! 3. **Watch** ([`watch`]). Each state requires that these functions of s do not become negative:
 //!
@@ -427,6 +426,10 @@ impl<W: MotionObserver> EventDriven<W> {
         }
         self.surface_acceleration.copy_from_slice(&inputs.slider_acceleration);
         self.friction.copy_from_slice(&inputs.friction);
+        for (friction, [kinetic, static_]) in self.friction.iter_mut().zip(&inputs.friction_rate) {
+            friction.kinetic += kinetic * (h - left);
+            friction.static_ += static_ * (h - left);
+        }
         for wave in inputs.waves.iter().filter(|wave| wave.amplitude != 0.0) {
             let passed = h - left;
             let [start, now, end] = [0.0, passed, h].map(|t| wave.after(t));

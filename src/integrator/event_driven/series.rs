@@ -102,7 +102,7 @@ pub(super) struct Series {
     swung: Vec<f64>,
     /// Rows of the powers of waves; only for small structures.
     wave_rows: Vec<f64>,
-    /// The friction coefficients that waves drive, and one row of what they do.
+    /// The friction coefficients that change, and one row of what that does.
     friction_swings: Vec<FrictionSwing>,
     friction_row: Vec<f64>,
     /// c_k, m, row by row; zero beyond the degrees of freedom.
@@ -122,7 +122,7 @@ pub(super) struct Series {
     zeros: Vec<f64>,
 }
 
-/// The change of a friction coefficient that waves drive: of µ_s where the contact sticks, or else of T/N.
+/// The change of a friction coefficient over the span: of µ_s where the contact sticks, or else of T/N.
 struct FrictionSwing {
     contact: usize,
     slides: bool,
@@ -233,7 +233,8 @@ impl Series {
             }
             self.waves.expand(&inputs.waves, now.passed, self.span);
             self.swing_friction(inputs);
-            match (self.reduced.is_some(), self.waves.powers() > 0) {
+            let is_driven = self.waves.powers() > 0 || !self.friction_swings.is_empty();
+            match (self.reduced.is_some(), is_driven) {
                 (true, false) => self.by_matrices::<false>(dynamics, inputs, now),
                 (true, true) => self.by_matrices::<true>(dynamics, inputs, now),
                 (false, _) => self.large(dynamics, inputs, now),
@@ -250,17 +251,22 @@ impl Series {
         self.law.add_shared(&self.states, &mut self.forces[..self.places]);
     }
 
-    /// Notes the friction coefficients that waves drive.
+    /// Notes the friction coefficients that change.
     fn swing_friction(&mut self, inputs: &Inputs) {
         self.friction_swings.clear();
-        if inputs.waves.iter().all(|wave| wave.rubs.is_empty()) {
+        let is_steady = |rates: &[f64; 2]| *rates == [0.0; 2];
+        if inputs.friction_rate.iter().all(is_steady)
+            && inputs.waves.iter().all(|wave| wave.rubs.is_empty())
+        {
             return;
         }
         for (contact, state) in self.states.iter().enumerate() {
             let direction = state.sliding_direction();
             let part = usize::from(direction.is_none());
             let mut powers = [0.0; ORDER + 1];
-            let is_driven = self.waves.add_friction(&inputs.waves, (contact, part), &mut powers);
+            powers[1] = self.span * inputs.friction_rate[contact][part];
+            let swings = self.waves.add_friction(&inputs.waves, (contact, part), &mut powers);
+            let is_driven = swings || powers[1] != 0.0;
             if *state != ContactState::Detached && is_driven {
                 powers = powers.map(|power| direction.unwrap_or(1.0) * power);
                 let slides = direction.is_some();
@@ -702,7 +708,7 @@ impl Series {
         terms
     }
 
-    /// The change of the friction coefficient of a contact; `None` if no wave drives it.
+    /// The change of the friction coefficient of a contact; `None` if it stays.
     fn friction_swing(&self, contact: usize) -> Option<&FrictionSwing> {
         self.friction_swings.iter().find(|swing| swing.contact == contact)
     }

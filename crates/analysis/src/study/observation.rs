@@ -7,7 +7,7 @@ use amontons::Error;
 use amontons::error::Short;
 use amontons::integrator::EventDriven;
 use amontons::model::LumpedModel;
-use amontons::scene::{Method, Scene, Selection, Shape};
+use amontons::scene::{Method, Scene, Selection};
 use serde::Serialize;
 
 /// Periods of the slowest mode in a window. The resolution of lines is then 4/50 of its frequency: nearer ones are
@@ -21,9 +21,6 @@ const MOST_ROWS: f64 = 100_000.0;
 const MOST_WISHED_ROWS: f64 = 5e6;
 /// The fewest rows that a window may have, which its spectrum needs.
 const FEWEST_ROWS: f64 = 64.0;
-/// Steps of exact motion in the period of a sine that drives friction. Friction has its value at the beginning of
-/// each step: the sine then has its amplitude to 4e-7, and is late by half a step, 1.6e-3 rad.
-const STEPS_A_SIGNAL: f64 = 2000.0;
 /// Windows that a motion may take to settle, after as many as signals take to their last edge, but no more than these.
 const LONGEST: f64 = 60.0;
 const MOST_WAITED: f64 = 1000.0;
@@ -163,33 +160,12 @@ impl ObservationSettings {
 pub type Prepare<'a> = &'a (dyn Fn(&mut Scene) -> Result<ObservationSettings, Error> + Sync);
 
 /// Gives a scene the method and step that studies take unless told otherwise: exact motion from row to row, which is
-/// the quickest way to where a motion ends, and the truest. A step holds friction that a signal drives, so such signals
-/// make steps shorter. What exact motion does not take, as Stribeck's law, keeps its own.
+/// the quickest way to where a motion ends, and the truest. What exact motion does not take, as Stribeck's law, keeps its
+/// own.
 pub fn pace(scene: &mut Scene, observation: &ObservationSettings) {
     if EventDriven::new(&LumpedModel::from(&*scene)).is_ok() {
-        let held = scene.signals.iter().filter(|signal| signal.drives_friction());
-        let longest = held.map(|signal| span(&signal.shape) / STEPS_A_SIGNAL);
-        let longest = longest.fold(observation.interval, f64::min);
-        let step = observation.interval / (observation.interval / longest * (1.0 - 1e-9)).ceil();
-        (scene.method, scene.step) = (Method::EventDriven, step);
+        (scene.method, scene.step) = (Method::EventDriven, observation.interval);
         scene.selection = Selection::Given;
-    }
-}
-
-/// The time in which a signal changes, s: the period of a sine, the length of a ramp or a pulse, the shortest time
-/// between two points of a table. Infinite for what stays.
-fn span(shape: &Shape) -> f64 {
-    match shape {
-        Shape::Constant(_) => f64::INFINITY,
-        Shape::Ramp(ramp) => ramp.end - ramp.start,
-        Shape::Pulse(pulse) => pulse.end.map_or(f64::INFINITY, |end| end - pulse.start),
-        Shape::Sine(sine) => 1.0 / sine.frequency,
-        Shape::Table(table) => table
-            .points
-            .windows(2)
-            .map(|two| two[1][0] - two[0][0])
-            .filter(|time| *time > 0.0)
-            .fold(f64::INFINITY, f64::min),
     }
 }
 

@@ -123,6 +123,7 @@ impl Span {
             slider_velocity: contacts.clone().map(|i| self.slider(i, to)).collect(),
             slider_acceleration: contacts.clone().map(mean).collect(),
             friction: self.start.friction.clone(),
+            friction_rate: vec![[0.0; 2]; self.steady.len()],
             waves: self.swings.iter().map(wave).collect(),
         }
     }
