@@ -197,7 +197,7 @@ mod tests {
     fn ending(kind: &str, amplitude: f64) -> Value {
         json!({
             "kind": kind, "amplitude": amplitude, "frequency": null, "period": null, "lines": [],
-            "shares": [0.0; 4], "taken": [false; 4], "time": 1.0, "rate": 1.0,
+            "shares": [0, 0, 0, 0], "taken": [false, false, false, false], "time": 1.0, "rate": 1.0,
         })
     }
 
@@ -205,7 +205,8 @@ mod tests {
     fn a_line_across_a_jump_joins_motions_that_have_settled_and_else_the_nearest_value() {
         let rest = ending("equilibrium", 0.0);
         let points = [(1.0, &rest), (2.0, &rest), (3.0, &ending("periodic", 3.0))];
-        let rising = points.map(|(µ, ending)| json!({ "friction": µ, "ending": { "Ok": ending } }));
+        let rising =
+            points.map(|(value, ending)| json!({ "friction": value, "ending": { "Ok": ending } }));
         let jump = |before: Value, after: Value| {
             let jump = json!({
                 "way": "rising", "among": "rising", "is_end": false, "between": [2.25, 2.75],
@@ -216,7 +217,7 @@ mod tests {
                 "compared": [],
             });
             let (curve, jumps) =
-                super::way(&serde_json::from_value(found).unwrap(), SweepDirection::Rising);
+                way(&serde_json::from_value(found).unwrap(), SweepDirection::Rising);
             assert!(curve.iter().any(|[x, y]| *x == 2.5 && y.is_nan()), "{curve:?}");
             jumps.concat()
         };
