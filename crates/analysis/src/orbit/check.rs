@@ -6,11 +6,11 @@ use amontons::integrator::{Event, StepFailure};
 use nalgebra::DVector;
 
 /// The integrator's events may be this far from the chain's, in parts of the period.
-const NEAR: f64 = 1e-9;
+pub(super) const NEAR: f64 = 1e-9;
 
 /// A chain whose segments end farther from each other by the integrator, in parts of the motion's size, is no motion. Near a
 /// tangential event rounding alone sets them apart by its inverse rate.
-const SAME: f64 = 1e-6;
+pub(super) const SAME: f64 = 1e-6;
 
 /// How the integrator's motion differs from a chain.
 #[derive(Clone, Debug, PartialEq)]

@@ -37,13 +37,19 @@ pub use follow::branch;
 pub use multipliers::{Multipliers, multipliers};
 pub use search::{NoOrbit, Start, search};
 
+use crate::assign::assign;
+use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::integrator::Event;
-use amontons::scene::Scene;
+use amontons::scene::{Method, Scene, Selection};
+use amontons::simulation::Simulation;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// Multipliers are known to about this part.
 const KNOWN: f64 = 1e-9;
+/// Internal steps of a run over one period.
+const RETURN_STEPS: f64 = 100.0;
 
 /// A periodic motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -112,10 +118,38 @@ impl Orbit {
         }
     }
 
-    /// The initial values with which a run of the scene begins on the orbit, by their names in the FMU; the scene has the
-    /// values with which the orbit was found. Contact states follow from them, as at the start of every run.
-    #[must_use]
-    pub fn initial_values(&self, scene: &Scene) -> Vec<(String, f64)> {
+    /// Gives the scene the initial values with which its run begins on the orbit; the scene has the values with which the
+    /// orbit was found. Contact states follow from them, as at the start of every run.
+    ///
+    /// # Errors
+    /// Returns an error if the scene cannot have these initial values.
+    pub fn give_start(&self, scene: &mut Scene) -> Result<(), Error> {
+        self.initial_values(scene).iter().try_for_each(|(name, value)| assign(scene, name, *value))
+    }
+
+    /// Runs the scene from its initial values over one period, event-driven, from time 0 on. Returns the difference from
+    /// the orbit's beginning after it, in parts of the motion's size, and whether it is as small as for an orbit.
+    ///
+    /// # Errors
+    /// Returns an error if the run fails.
+    pub fn comes_back(&self, scene: &Scene) -> Result<(f64, bool), Error> {
+        // Just behind the events that may end a period.
+        let end = self.period * (1.0 + check::NEAR);
+        let (method, selection) = (Method::EventDriven, Selection::Given);
+        let scene = Scene { method, step: end / RETURN_STEPS, selection, ..scene.clone() };
+        let mut simulation = Simulation::new(scene, 0.0)?;
+        simulation.advance_to(end)?;
+        let size = self.extents.iter().copied().fold(0.0, f64::max);
+        let difference = |a: &[f64], b: &[f64], unit: f64| {
+            a.iter().zip(b).map(|(a, b)| (a - b).abs() / unit).fold(0.0, f64::max)
+        };
+        let place = difference(simulation.displacement(), &self.displacement, size);
+        let speed = difference(simulation.velocity(), &self.velocity, size * TAU / self.period);
+        let off = place.max(speed);
+        Ok((off, off <= check::SAME))
+    }
+
+    fn initial_values(&self, scene: &Scene) -> Vec<(String, f64)> {
         let velocity_of = |name: &str| match name.rsplit_once('.') {
             Some((module, key)) if module.starts_with("module[") => {
                 format!("initial.{module}.{}", key.replace('x', "v"))

@@ -1,8 +1,9 @@
 //! The picture of branches of periodic motions over a parameter.
 
+use super::continuation;
 use amontons::scene::Scene;
 use amontons_analysis::orbit::{Branch, BranchPoint, SpecialKind};
-use amontons_analysis::study::{Branches, RestBranch};
+use amontons_analysis::study::{Branches, Continuation, RestBranch, SweepDirection};
 use amontons_analysis::sweep::axis;
 use amontons_pictures::picture::{Chart, Marker, Panel, Series, Style};
 
@@ -10,12 +11,24 @@ use amontons_pictures::picture::{Chart, Marker, Panel, Series, Style};
 const REST: usize = 2;
 const NEUTRAL: usize = 6;
 
+/// Colours of the quasi-static ways upwards and downwards, behind everything.
+const WAYS: [usize; 2] = [4, 3];
+/// Heads of arrows along a quasi-static way over the whole range.
+const HEADS: u32 = 6;
+
 /// Amplitude of a degree of freedom and frequency over the parameter: stable motions as full lines, others dashed.
+/// A continuation of the same amplitude over the same parameter is laid behind them.
 #[must_use]
-pub fn chart(scene: &Scene, name: &str, range: [f64; 2], dof: usize, found: &Branches) -> Chart {
+pub fn chart(
+    scene: &Scene,
+    (name, range): (&str, [f64; 2]),
+    dof: usize,
+    found: &Branches,
+    over: Option<&Continuation>,
+) -> Chart {
     let amplitude = |point: &BranchPoint| point.orbit.extents[dof];
     let frequency = |point: &BranchPoint| 1.0 / point.orbit.period;
-    let mut amplitudes = Vec::new();
+    let mut amplitudes = over.map_or_else(Vec::new, |over| ways(over, range));
     let mut frequencies = Vec::new();
     if let Ok(rest) = &found.rest {
         amplitudes.extend(rest_curves(rest, range, dof));
@@ -116,6 +129,49 @@ fn marks(branch: &Branch, colour: usize, dof: usize) -> Vec<Series> {
         }
     }
     series
+}
+
+/// Both quasi-static ways: thin lines with heads of arrows along them and in their jumps.
+fn ways(over: &Continuation, range: [f64; 2]) -> Vec<Series> {
+    let mut series = Vec::new();
+    for ((way, colour), head) in
+        SweepDirection::ALL.into_iter().zip(WAYS).zip([Marker::Right, Marker::Left])
+    {
+        let is_within = |[x, _]: &[f64; 2]| (range[0]..=range[1]).contains(x);
+        let (mut line, jumps) = continuation::way(over, way);
+        line.retain(is_within);
+        let heads = (0..HEADS).filter_map(|place| head_at(&line, way, place)).collect();
+        let (mut up, mut down) = (Vec::new(), Vec::new());
+        for jump in jumps.into_iter().filter(|jump| jump.iter().all(is_within)) {
+            if let Some(two) = jump.windows(2).find(|two| two[0][0] == two[1][0]) {
+                let [[x, from], [_, to]] = [two[0], two[1]];
+                let heads = if to > from { &mut up } else { &mut down };
+                heads.push([x, f64::midpoint(from, to)]);
+            }
+            line.push([f64::NAN; 2]);
+            line.extend(jump);
+        }
+        series.push(Series { points: line, colour, style: Style::Muted, ..Series::default() });
+        let label = Some(format!("quasi-static, {}", way.name()));
+        for (marker, points, label) in
+            [(head, heads, label), (Marker::Up, up, None), (Marker::Down, down, None)]
+        {
+            let (style, marker) = (Style::Dots, Some(marker));
+            series.push(Series { label, points, colour, style, marker, ..Series::default() });
+        }
+    }
+    series
+}
+
+/// The place of one of the heads of arrows along a way; those of the two ways take turns. `None` where the way has no line.
+fn head_at(line: &[[f64; 2]], way: SweepDirection, place: u32) -> Option<[f64; 2]> {
+    let shift = if way == SweepDirection::Rising { 0.25 } else { 0.75 };
+    let ([first, _], [last, _]) = (line.first()?, line.last()?);
+    let x = first + (last - first) * (f64::from(place) + shift) / f64::from(HEADS);
+    let end = line.iter().position(|point| point[0] > x)?;
+    let [[x0, y0], [x1, y1]] = [*line.get(end.checked_sub(1)?)?, line[end]];
+    let y = y0 + (y1 - y0) * (x - x0) / (x1 - x0);
+    y.is_finite().then_some([x, y])
 }
 
 /// Rest along zero, and neutral cycles as vertical lines.

@@ -93,35 +93,78 @@ fn curve(
     way: SweepDirection,
     value: fn(&LongTermMotion) -> f64,
 ) -> Vec<[f64; 2]> {
-    let points = match way {
-        SweepDirection::Rising => &found.rising,
-        SweepDirection::Falling => &found.falling,
-    };
-    let seen = |ending: &LongTermMotion| {
-        let is_seen =
-            ending.kind != Kind::Unbounded && (ending.kind != Kind::Unsettled || ending.rests());
-        if is_seen { value(ending) } else { f64::NAN }
-    };
-    let at = |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, seen)];
-    let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
+    let points = points_of(found, way);
+    let mut curve: Vec<[f64; 2]> = points.iter().map(|point| shown(point, value)).collect();
     for jump in found.jumps.iter().filter(|jump| jump.among == Some(way)) {
         let [before, after] = &jump.endings;
-        curve.push([jump.between[0], seen(before)]);
+        curve.push([jump.between[0], seen(before, value)]);
         curve.push([jump.at(), f64::NAN]);
         if !jump.is_end || after.rests() && rests_beyond(points, jump) {
-            curve.push([jump.between[1], seen(after)]);
+            curve.push([jump.between[1], seen(after, value)]);
         }
     }
     curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
     curve
 }
 
+/// The amplitude along one way over µ, with gaps at its jumps, and a line across each jump at which the way goes on. Where
+/// a motion at the jump had not settled, the line begins or ends at the nearest value.
+pub(super) fn way(
+    found: &Continuation,
+    way: SweepDirection,
+) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
+    let points = points_of(found, way);
+    let goes_on = |jump: &&Jump| jump.among == Some(way) && !jump.is_end;
+    let across = |jump: &Jump| {
+        let x = jump.at();
+        let [before, after] = jump.endings.each_ref().map(|ending| seen(ending, kinds::amplitude));
+        let is_rising = jump.way == SweepDirection::Rising;
+        let nearest =
+            |is_above| nearest(points, x, is_above).map(|point| shown(point, kinds::amplitude));
+        let mut line = Vec::new();
+        line.extend(nearest(!is_rising).filter(|_| before.is_nan()));
+        line.push([x, kinds::amplitude(&jump.endings[0])]);
+        match nearest(is_rising).filter(|_| after.is_nan()) {
+            Some(next) => line.extend([[x, next[1]], next]),
+            None => line.push([x, after]),
+        }
+        line
+    };
+    let jumps = found.jumps.iter().filter(goes_on).map(across).collect();
+    (curve(found, way, kinds::amplitude), jumps)
+}
+
+fn points_of(found: &Continuation, way: SweepDirection) -> &[Point] {
+    match way {
+        SweepDirection::Rising => &found.rising,
+        SweepDirection::Falling => &found.falling,
+    }
+}
+
+/// A value of µ with that of its motion; not a number where the picture shows none.
+fn shown(point: &Point, value: fn(&LongTermMotion) -> f64) -> [f64; 2] {
+    [point.friction, point.ending.as_ref().map_or(f64::NAN, |ending| seen(ending, value))]
+}
+
+/// The value of a motion; not a number where the picture shows none.
+fn seen(ending: &LongTermMotion, value: fn(&LongTermMotion) -> f64) -> f64 {
+    let is_seen =
+        ending.kind != Kind::Unbounded && (ending.kind != Kind::Unsettled || ending.rests());
+    if is_seen { value(ending) } else { f64::NAN }
+}
+
+/// The nearest value above a value of µ, or below it.
+fn nearest(points: &[Point], friction: f64, is_above: bool) -> Option<&Point> {
+    if is_above {
+        points.iter().find(|point| point.friction > friction)
+    } else {
+        points.iter().rev().find(|point| point.friction < friction)
+    }
+}
+
 /// `true` if the motion at the nearest value beyond a jump is rest.
 fn rests_beyond(points: &[Point], jump: &Jump) -> bool {
-    let nearest = match jump.way {
-        SweepDirection::Rising => points.iter().find(|point| point.friction > jump.at()),
-        SweepDirection::Falling => points.iter().rev().find(|point| point.friction < jump.at()),
-    };
+    let nearest = nearest(points, jump.at(), jump.way == SweepDirection::Rising);
     nearest.and_then(|point| point.ending.as_ref().ok()).is_some_and(LongTermMotion::rests)
 }
 
@@ -142,5 +185,47 @@ pub fn describe(ending: &LongTermMotion) -> &'static str {
         Kind::Unsettled if ending.rests() => "decaying motion",
         Kind::Unsettled if ending.rate > 0.0 => "growing motion",
         kind => kind.name(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    /// A motion of this kind and amplitude.
+    fn ending(kind: &str, amplitude: f64) -> Value {
+        json!({
+            "kind": kind, "amplitude": amplitude, "frequency": null, "period": null, "lines": [],
+            "shares": [0, 0, 0, 0], "taken": [false, false, false, false], "time": 1.0, "rate": 1.0,
+        })
+    }
+
+    #[test]
+    fn a_line_across_a_jump_joins_motions_that_have_settled_and_else_the_nearest_value() {
+        let rest = ending("equilibrium", 0.0);
+        let points = [(1.0, &rest), (2.0, &rest), (3.0, &ending("periodic", 3.0))];
+        let rising =
+            points.map(|(value, ending)| json!({ "friction": value, "ending": { "Ok": ending } }));
+        let jump = |before: Value, after: Value| {
+            let jump = json!({
+                "way": "rising", "among": "rising", "is_end": false, "between": [2.25, 2.75],
+                "endings": [before, after],
+            });
+            let found = json!({
+                "rising": rising, "falling": [], "jumps": [jump], "bistable": [], "unknown": [], "more": false,
+                "compared": [],
+            });
+            let (curve, jumps) =
+                way(&serde_json::from_value(found).unwrap(), SweepDirection::Rising);
+            assert!(curve.iter().any(|[x, y]| *x == 2.5 && y.is_nan()), "{curve:?}");
+            jumps.concat()
+        };
+        let settled = jump(rest.clone(), ending("periodic", 2.0));
+        assert_eq!(settled, [[2.5, 0.0], [2.5, 2.0]]);
+        let grows = jump(rest.clone(), ending("unsettled", 1e-6));
+        assert_eq!(grows, [[2.5, 0.0], [2.5, 3.0], [3.0, 3.0]]);
+        let fades = jump(ending("unsettled", 1.0), ending("periodic", 2.0));
+        assert_eq!(fades, [[2.0, 0.0], [2.5, 1.0], [2.5, 2.0]]);
     }
 }

@@ -1,6 +1,9 @@
 //! Tests of the commands for periodic motions and their branches.
 
 use crate::program::{assert_refused, folder, run, text};
+use amontons::scene::parse;
+use amontons::simulation::Simulation;
+use std::io::Read;
 use std::path::Path;
 use std::process::Output;
 
@@ -146,4 +149,88 @@ fn a_run_begins_on_an_orbit_and_comes_back_after_each_period() {
         let x: f64 = row[1].parse().unwrap();
         assert!((x - first).abs() < 1e-9 * first.abs(), "{row:?}");
     }
+}
+
+/// The scene in an FMU.
+fn scene_of(fmu: &Path) -> String {
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(fmu).unwrap()).unwrap();
+    let mut text = String::new();
+    archive.by_name("resources/scene.toml").unwrap().read_to_string(&mut text).unwrap();
+    text
+}
+
+/// An FMU that is exported from an orbit is back after each period, free or driven, and keeps to its own initial values. An
+/// orbit of other values is refused by the export and by a run.
+#[test]
+fn an_exported_orbit_comes_back_and_one_of_other_values_is_refused() {
+    let folder = folder();
+    let here = folder.path();
+    let found = |scene: &str, set: &[&str], to: &str| {
+        let of = amontons(here, &[&["study", "orbit", scene, "-o", to], set].concat());
+        assert!(of.status.success(), "{}", text(&of.stderr));
+        let orbit = std::fs::read_to_string(here.join(to).join("orbit.json")).unwrap();
+        serde_json::from_str::<serde_json::Value>(&orbit).unwrap()
+    };
+    let unstable = ["--between", "module[1].v2=0.1:0.5"];
+    let squeal = ["--set", "initial.module[1].v2=0.5"];
+    for (scene, set) in [("set2", &unstable[..]), ("set2", &squeal), ("den_hartog", &[])] {
+        let orbit = found(scene, set, "known");
+        std::fs::rename(here.join("known/orbit.json"), here.join("orbit.json")).unwrap();
+        std::fs::remove_dir_all(here.join("known")).unwrap();
+        let export = ["export", scene, "--from", "orbit.json", "-o", "on.fmu"];
+        let exact = ["--integrator", "event-driven", "--step", "1e-4"];
+        let export = amontons(here, &[&export[..], &exact].concat());
+        assert!(export.status.success(), "{}", text(&export.stderr));
+        let mut simulation =
+            Simulation::new(parse(scene, &scene_of(&here.join("on.fmu"))).unwrap(), 0.0).unwrap();
+        let numbers = |key: &str| -> Vec<f64> {
+            let all = orbit[key].as_array().unwrap();
+            all.iter().map(|number| number.as_f64().unwrap()).collect()
+        };
+        let (first, size) = (numbers("displacement"), numbers("extents")[0]);
+        for period in 1..=5 {
+            let time = f64::from(period) * orbit["period"].as_f64().unwrap();
+            simulation.advance_to(time).unwrap();
+            for (x, first) in simulation.displacement().iter().zip(&first) {
+                assert!((x - first).abs() < 1e-9 * size, "{scene}, period {period}: {x}, {first}");
+            }
+        }
+    }
+    found("set2", &[&squeal[..], &["--set", "friction.coefficient=2"]].concat(), "other");
+    for command in ["export", "simulate"] {
+        let refused = amontons(here, &[command, "set2", "--from", "other/orbit.json", "-o", "no"]);
+        assert_refused(&refused, 1, &["no motion of set2 as it is", "study.json"]);
+    }
+    assert!(!here.join("no").exists());
+}
+
+/// The quasi-static ways of the same scene are laid behind its branches; those of another scene, other values, another
+/// parameter or another output are refused.
+#[test]
+fn the_quasi_static_ways_are_laid_behind_the_branches_of_the_same_scene_alone() {
+    let folder = folder();
+    let here = folder.path();
+    let friction = ["--friction", "2.1:2.2:0.1", "--resolution", "0.05", "-o", "ways"];
+    let ways = amontons(here, &[&["study", "continuation", "set2"], &friction[..]].concat());
+    assert!(ways.status.success(), "{}", text(&ways.stderr));
+    let branches = |scene: &str, parameter: &str, more: &[&str]| {
+        let over = ["--parameter", parameter, "--over", "ways", "-o", "laid"];
+        amontons(here, &[&["study", "branches", scene], &over[..], more].concat())
+    };
+    let friction = "friction.coefficient=2.05:2.25";
+    let laid = branches("set2", friction, &["--set", "initial.module[1].v2=0.5"]);
+    assert!(laid.status.success(), "{}", text(&laid.stderr));
+    let picture = std::fs::read_to_string(here.join("laid/branches.svg")).unwrap();
+    for way in ["quasi-static, rising", "quasi-static, falling"] {
+        assert!(picture.contains(way), "{way}");
+    }
+    let refused = |scene: &str, parameter: &str, more: &[&str], words: &[&str]| {
+        assert_refused(&branches(scene, parameter, more), 1, words);
+    };
+    refused("set1", friction, &[], &["of another scene"]);
+    refused("set2", friction, &["--set", "slider.velocity=0.03"], &["other values"]);
+    refused("set2", friction, &["--of", "module[1].x2"], &["module[1].x1", "--of"]);
+    refused("set2", "slider.velocity=0.01:0.05", &[], &["over slider.velocity"]);
+    let no_ways = ["study", "branches", "set2", "--parameter", friction, "--over", "laid"];
+    assert_refused(&amontons(here, &no_ways), 1, &["study continuation"]);
 }

@@ -3,7 +3,7 @@
 mod located;
 mod rewrite;
 
-pub use rewrite::{set_integrator, set_preset};
+pub use rewrite::{set_initial, set_integrator, set_preset};
 
 use amontons::Error;
 use amontons::scene::{Scene, SceneFile, SceneTables, Source, builtin, builtin_names};

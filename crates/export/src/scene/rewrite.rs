@@ -1,8 +1,9 @@
-//! Another method and step, written into a scene file.
+//! Another method and step, or other initial values, written into a scene file.
 
 use amontons::Error;
-use amontons::scene::{Method, Preset, Source};
+use amontons::scene::{Method, Preset, Scene, Source, Structure};
 use serde::Serialize;
+use toml_edit::{ArrayOfTables, DocumentMut, Table};
 
 /// Writes another method and step (s) into the scene file; all else stays as it is, comments included.
 ///
@@ -20,13 +21,58 @@ pub fn set_preset(source: &mut Source, preset: Preset) -> Result<(), Error> {
     set_keys(source, [("preset", word(preset)?)])
 }
 
+/// Writes the scene's initial values into its file in place of all `[[initial]]`; all else stays as it is, comments
+/// included.
+///
+/// # Errors
+/// Returns an error if the file is not TOML.
+pub fn set_initial(source: &mut Source, scene: &Scene) -> Result<(), Error> {
+    let mut document = parsed(source)?;
+    let mut tables = ArrayOfTables::new();
+    let mut add = |key: &str, of: toml_edit::Value, values: &[(&str, f64)]| {
+        let mut table = Table::new();
+        table.insert(key, of.into());
+        for (key, value) in values.iter().filter(|(_, value)| *value != 0.0) {
+            table.insert(key, toml_edit::value(*value));
+        }
+        if table.len() > 1 {
+            tables.push(table);
+        }
+    };
+    match &scene.structure {
+        Structure::Ring(modules) => {
+            for (module, number) in modules.iter().zip(1..) {
+                let [x1, x2, x3, x4] = module.displacement;
+                let [v1, v2, v3, v4] = module.velocity;
+                let places = [("x1", x1), ("x2", x2), ("x3", x3), ("x4", x4)];
+                let speeds = [("v1", v1), ("v2", v2), ("v3", v3), ("v4", v4)];
+                add("module", number.into(), &[places, speeds].concat());
+            }
+        }
+        Structure::Network(network) => {
+            for mass in &network.masses {
+                let ([x, y], [vx, vy]) = (mass.displacement, mass.velocity);
+                let values = [("x", x), ("y", y), ("vx", vx), ("vy", vy)];
+                add("mass", mass.name.as_str().into(), &values);
+            }
+        }
+    }
+    document.insert("initial", tables.into());
+    source.text = document.to_string();
+    Ok(())
+}
+
+/// The scene file as TOML.
+fn parsed(source: &Source) -> Result<DocumentMut, Error> {
+    source.text.parse().map_err(|error| Error::scene(format!("{error}")))
+}
+
 /// Makes these the keys of `[integrator]`.
 fn set_keys<const N: usize>(
     source: &mut Source,
     keys: [(&str, toml_edit::Value); N],
 ) -> Result<(), Error> {
-    let mut document: toml_edit::DocumentMut =
-        source.text.parse().map_err(|error| Error::scene(format!("{error}")))?;
+    let mut document = parsed(source)?;
     let table = document
         .get_mut("integrator")
         .and_then(toml_edit::Item::as_table_like_mut)
@@ -58,7 +104,7 @@ fn word(value: impl Serialize) -> Result<toml_edit::Value, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use amontons::scene::{Scene, Selection, builtin, parse};
+    use amontons::scene::{Selection, builtin, parse};
 
     #[test]
     fn another_integrator_is_written_into_the_file_and_nothing_else_is_touched() {
@@ -98,5 +144,34 @@ mod tests {
         let mut source = Source::from("integrator = { method = \"auto\", tolerance = 1e-3 }");
         set_preset(&mut source, Preset::Preview).unwrap();
         assert!(source.text.contains("preview") && !source.text.contains("auto"), "{source:?}");
+    }
+    #[test]
+    fn initial_values_take_the_place_of_those_in_the_file_and_read_back_as_the_same_doubles() {
+        for name in ["set2", "set1", "corner", "belt"] {
+            let builtin = builtin(name).unwrap();
+            let mut scene = builtin.scene();
+            match &mut scene.structure {
+                Structure::Ring(modules) => {
+                    modules[0].velocity = [0.1 + 0.2, 0.0, -1e-300, 1.0 / 3.0];
+                    modules[1].displacement = [1e-5, -2.0 / 3.0, 0.0, 1e22];
+                }
+                Structure::Network(network) => {
+                    network.masses[0].velocity = [-1.0 / 3.0, 0.0];
+                    network.masses[0].displacement = [5e-324, 0.0];
+                }
+            }
+            let mut source = Source::from(builtin.text);
+            set_initial(&mut source, &scene).unwrap();
+            assert_eq!(parse(name, &source.text).unwrap(), scene, "{}", source.text);
+            let is_kept = |line: &str| source.text.lines().any(|kept| kept == line);
+            let mut others = builtin.text.lines().take_while(|line| !line.contains("[[initial]]"));
+            assert_eq!(others.find(|line| !is_kept(line)), None, "{}", source.text);
+        }
+        // However the file writes them.
+        let mut source =
+            Source::from("initial = [{ module = 1, v2 = 0.5 }]\n[integrator]\nstep = 1e-6\n");
+        set_initial(&mut source, &builtin("set2").unwrap().scene()).unwrap();
+        assert_eq!(source.text.matches("v2 = 0.3").count(), 1, "{}", source.text);
+        assert!(!source.text.contains("0.5"), "{}", source.text);
     }
 }

@@ -32,7 +32,18 @@ pub(super) fn colour(place: usize) -> RGBColor {
 
 /// The colour at a place of the palette, so pale that text and curves stand out on it.
 pub(super) fn tint(place: usize) -> RGBColor {
-    let pale = |byte: u8| u8::try_from((u16::from(byte) + 4 * 255 + 2) / 5).unwrap_or(u8::MAX);
+    mixed(place, [1, 4])
+}
+
+/// The colour at a place of the palette, pale enough to stay behind other curves.
+pub(super) fn muted(place: usize) -> RGBColor {
+    mixed(place, [3, 2])
+}
+
+/// A colour of the palette with so many parts of five, and white with the others.
+fn mixed(place: usize, [parts, white]: [u16; 2]) -> RGBColor {
+    let pale =
+        |byte: u8| u8::try_from((parts * u16::from(byte) + white * 255 + 2) / 5).unwrap_or(u8::MAX);
     let RGBColor(red, green, blue) = colour(place);
     RGBColor(pale(red), pale(green), pale(blue))
 }

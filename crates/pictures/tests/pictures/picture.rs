@@ -803,7 +803,8 @@ fn each_point_has_the_marker_of_its_series_and_so_has_the_legend() {
     // Five points and the legend's.
     assert_eq!(count(Marker::Disc, Style::Dots, "circle"), 6);
     assert_eq!(count(Marker::Ring, Style::Dots, "circle"), 6);
-    for marker in [Marker::Square, Marker::Triangle, Marker::Diamond] {
+    let heads = [Marker::Right, Marker::Left, Marker::Up, Marker::Down];
+    for marker in [Marker::Square, Marker::Triangle, Marker::Diamond].into_iter().chain(heads) {
         assert_eq!(count(marker, Style::Dots, "polygon"), 6, "{marker:?}");
         assert_eq!(count(marker, Style::Line, "polygon"), 6, "{marker:?}");
     }

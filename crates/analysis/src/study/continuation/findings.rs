@@ -36,7 +36,7 @@ impl SweepDirection {
 }
 
 /// A value of µ on one of the ways.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// µ.
     pub friction: f64,
@@ -45,7 +45,7 @@ pub struct Point {
 }
 
 /// Value of µ at which one motion gives way to another.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Jump {
     /// Direction in which µ changes.
     pub way: SweepDirection,
@@ -70,7 +70,7 @@ impl Jump {
 }
 
 /// A range of µ in which two different motions were met.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bistable {
     /// Ends of the range: the jumps that bound it or, where it reaches the ends of the followed values, those values.
     pub range: [f64; 2],
@@ -93,7 +93,7 @@ impl Bistable {
 }
 
 /// A motion beside two others.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThirdMotion {
     /// µ.
     pub friction: f64,
@@ -120,7 +120,7 @@ pub(super) fn words(kinds: [Kind; 2]) -> String {
 }
 
 /// Rest and a motion beside it at one value of µ.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RestAndMotion {
     /// µ.
     pub friction: f64,
@@ -131,7 +131,7 @@ pub struct RestAndMotion {
 }
 
 /// The motions followed in a continuation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Continuation {
     /// Points of the way upwards, by ascending µ.
     pub rising: Vec<Point>,

@@ -66,6 +66,10 @@ pub struct Export {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub integrator: Integrator,
+    /// Begin on an orbit that `amontons study orbit` has found with the scene's values: the FMU's initial values are the
+    /// orbit's
+    #[arg(long, value_name = "ORBIT.JSON")]
+    pub from: Option<PathBuf>,
     /// Put the table of `amontons accuracy` into the FMU's documentation, without times
     #[arg(long)]
     pub with_accuracy: bool,

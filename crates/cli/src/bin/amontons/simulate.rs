@@ -109,9 +109,7 @@ fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error
         assign(&mut scene, name, *value)?;
     }
     if let Some(path) = &arguments.from {
-        for (name, value) in orbit::read(path, &scene)?.initial_values(&scene) {
-            assign(&mut scene, &name, value)?;
-        }
+        orbit::begin(path, &mut scene)?;
     }
     let experiment = Experiment {
         stop_time: arguments.stop_time.unwrap_or(scene.experiment.stop_time),

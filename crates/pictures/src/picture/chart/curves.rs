@@ -5,7 +5,7 @@ use crate::picture::axes::Frame;
 use crate::picture::beside::{self, SideText};
 use crate::picture::canvas::{Canvas, Failure, Point};
 use crate::picture::legend::{DOT, Entry, Sample};
-use crate::picture::palette::{colour, dashes};
+use crate::picture::palette::{colour, dashes, muted};
 use plotters::backend::DrawingBackend;
 use plotters::style::{RGBColor, WHITE};
 use std::collections::HashSet;
@@ -16,6 +16,7 @@ impl Series {
         match self.style {
             Style::Line => (colour, 1.8, gaps),
             Style::Dashed => (colour, 1.8, &[6.0, 4.0]),
+            Style::Muted => (muted(self.colour), 1.2, gaps),
             Style::Dots => (colour, 2.0 * DOT, &[]),
         }
     }
@@ -40,7 +41,7 @@ pub(super) fn beside_points(chart: &Chart, frame: &Frame<'_>, panel: &Panel) -> 
     let place = |series| chart.shown(series).map(|point| frame.at(point));
     let lines = panel.series.iter().flat_map(|series| -> Vec<Vec<Point>> {
         match series.style {
-            Style::Line | Style::Dashed => vec![place(series).collect()],
+            Style::Line | Style::Dashed | Style::Muted => vec![place(series).collect()],
             Style::Dots => place(series).map(|point| vec![point; 2]).collect(),
         }
     });
@@ -83,7 +84,7 @@ fn paint_strokes<B: DrawingBackend>(
         (Style::Dots, Some(marker)) => {
             return marks.try_for_each(|place| marker.paint(canvas, place, colour));
         }
-        (Style::Line | Style::Dashed, _) => {}
+        (Style::Line | Style::Dashed | Style::Muted, _) => {}
     }
     let broken = |[x, y]: &Point| !(x.is_finite() && y.is_finite());
     let points: Vec<Point> = chart.scaled_points(series).collect();

@@ -24,10 +24,18 @@ pub enum Marker {
     Diamond,
     /// Two oblique strokes.
     Cross,
+    /// The head of an arrow to the right.
+    Right,
+    /// The head of an arrow to the left.
+    Left,
+    /// The head of an arrow upwards.
+    Up,
+    /// The head of an arrow downwards.
+    Down,
 }
 
 impl Marker {
-    /// All markers, those that are told apart best first.
+    /// All markers but heads of arrows, those that are told apart best first.
     pub const ALL: [Self; 6] =
         [Self::Disc, Self::Ring, Self::Triangle, Self::Square, Self::Cross, Self::Diamond];
 
@@ -37,6 +45,10 @@ impl Marker {
             Self::Square => &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],
             Self::Triangle => &[[0.0, -1.2], [1.15, 0.85], [-1.15, 0.85]],
             Self::Diamond => &[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]],
+            Self::Right => &[[1.7, 0.0], [-1.4, 1.2], [-0.7, 0.0], [-1.4, -1.2]],
+            Self::Left => &[[-1.7, 0.0], [1.4, -1.2], [0.7, 0.0], [1.4, 1.2]],
+            Self::Up => &[[0.0, -1.7], [1.2, 1.4], [0.0, 0.7], [-1.2, 1.4]],
+            Self::Down => &[[0.0, 1.7], [-1.2, -1.4], [0.0, -0.7], [1.2, -1.4]],
             Self::Disc | Self::Ring | Self::Cross => &[],
         }
     }
@@ -57,7 +69,7 @@ impl Marker {
             Self::Cross => [[-1.0, 1.0], [1.0, -1.0]].into_iter().try_for_each(|[from, to]| {
                 canvas.line(&[place([-1.0, from]), place([1.0, to])], colour, 1.8, &[])
             }),
-            Self::Square | Self::Triangle | Self::Diamond => {
+            _ => {
                 let corners: Vec<Point> =
                     self.corners().iter().map(|&corner| place(corner)).collect();
                 canvas.fill(&corners, colour)

@@ -82,6 +82,8 @@ pub enum Style {
     Line,
     /// A line with short dashes.
     Dashed,
+    /// A thin line in a muted colour, for what is to stay behind other curves.
+    Muted,
     /// Points that are not joined, each with the series' marker; of those at one place of the picture one is drawn.
     Dots,
 }

@@ -5,6 +5,7 @@ mod written;
 
 use crate::arguments::Export;
 use crate::scenes;
+use crate::study::orbit;
 use amontons::Error;
 use amontons::model::{Equilibrium, LumpedModel};
 use amontons::scene::{Method, Scene, Selection, Structure};
@@ -20,13 +21,18 @@ use std::path::{Path, PathBuf};
 
 pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     let (mut scene, mut source) = scene::find(&arguments.scene)?;
+    if let Some(orbit) = &arguments.from {
+        orbit::begin(orbit, &mut scene)?;
+        scene::set_initial(&mut source, &scene)?;
+    }
     let given = (scene.selection, scene.method, scene.step);
     arguments.integrator.apply(&mut scene)?;
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
     // Before the work: errors of writing and of running the scene.
     check_folder(&path)?;
-    check_inputs_stay(&path, &[Path::new(&arguments.scene)])?;
+    let files = [Some(Path::new(&arguments.scene)), arguments.from.as_deref()];
+    check_inputs_stay(&path, &files.into_iter().flatten().collect::<Vec<_>>())?;
     scenes::check(&scene)?;
     let page = arguments.with_accuracy.then(|| accuracy::page(&scene)).transpose()?;
     if (scene.selection, scene.method, scene.step) != given {

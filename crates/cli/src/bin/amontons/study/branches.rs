@@ -1,23 +1,23 @@
 //! `amontons study branches`.
 
 use super::arguments::{ObservationOptions, StudyArguments};
-use super::folder::{Folder, quoted};
+use super::folder::{Folder, STUDY, quoted};
 use super::orbit::{BOUNDARY, named_ends, read, words};
 use super::{heading, interrupted, prepared, watched_unevenly};
-use amontons::scene::Scene;
+use amontons::scene::{Scene, Source};
 use amontons_analysis::orbit::{Branch, BranchEnd, BranchPoint, SpecialKind, SpecialPoint};
 use amontons_analysis::study::perturbation::Direction;
 use amontons_analysis::study::{
-    BranchQuestion, Branches, From, RestBranch, branches, initial_value,
+    BranchQuestion, Branches, Continuation, From, RestBranch, branches, initial_value,
 };
-use amontons_analysis::sweep::range;
+use amontons_analysis::sweep::{FRICTION, range};
 use amontons_cli::charts::branches::{chart, kind};
 use amontons_cli::say;
 use amontons_export::documentation::counted;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args)]
 pub struct BranchesArguments {
@@ -41,6 +41,10 @@ pub struct BranchesArguments {
     /// Begin a branch with what the scene settles into, beside other starts
     #[arg(long)]
     run: bool,
+    /// Lay the ways upwards and downwards of a `study continuation` of the same scene behind the branches in the picture:
+    /// the folder of that study
+    #[arg(long, value_name = "DIR")]
+    over: Option<PathBuf>,
     /// Most points of a branch to either side of its start
     #[arg(long, value_name = "N", default_value_t = 500)]
     points: usize,
@@ -69,6 +73,9 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
         );
         return Err(amontons::Error::argument(message).into());
     }
+    let over = arguments.over.as_deref();
+    let over = over.map(|over| quasi_static(over, common, &source, &observation.of, name));
+    let over = over.transpose()?;
     let mut starts = Vec::new();
     for path in &arguments.from {
         starts.push((path.display().to_string(), From::Orbit(Box::new(read(path, &scene)?))));
@@ -110,11 +117,61 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
     }
     write(&folder, name, dof, &found)?;
     folder.write_json(json!({ "starts": labels, "found": found }))?;
-    folder.draw("branches", &chart(&scene, name, *range, dof, &found))?;
+    folder.draw("branches", &chart(&scene, (name, *range), dof, &found, over.as_ref()))?;
     say!("{}", heading(&[(&scene, &observation)]));
     print(&scene, (name, dof), &labels, &found);
     say!("\n{} has results.csv, specials.csv, study.json and a picture", folder.path().display());
     Ok(())
+}
+
+/// The continuation in a folder, if it is one of this scene over this parameter and shows this output.
+fn quasi_static(
+    folder: &Path,
+    common: &StudyArguments,
+    source: &Source,
+    of: &str,
+    name: &str,
+) -> Result<Continuation, amontons::Error> {
+    let path = folder.join(STUDY);
+    let text =
+        std::fs::read_to_string(&path).map_err(|error| amontons::Error::file(&path, &error))?;
+    let wrong = |why: String| amontons::Error::file(&path, &std::io::Error::other(why));
+    let mut study: Value = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    if study["study"] != "continuation" {
+        return Err(wrong(
+            "--over names the folder of an `amontons study continuation`".to_owned(),
+        ));
+    }
+    if name != FRICTION {
+        return Err(wrong(format!(
+            "a continuation is over {FRICTION}, but these branches over {name}"
+        )));
+    }
+    let shown = study["settings"]["look"]["of"].as_str().unwrap_or_default();
+    if shown != of {
+        return Err(wrong(format!(
+            "this continuation shows {shown}, but these branches {of}: choose with --of"
+        )));
+    }
+    // The parameter has its range, and branches do not depend on initial values.
+    let is_kept = |name: &str| name != FRICTION && !name.starts_with("initial.");
+    let here: Map<String, Value> =
+        common.set.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
+    let kept = |set: &Map<String, Value>| -> Map<String, Value> {
+        let all = set.iter().filter(|(name, _)| is_kept(name));
+        all.map(|(name, value)| (name.clone(), value.clone())).collect()
+    };
+    let there = study["set"].as_object().cloned().unwrap_or_default();
+    let is_same = study["file"] == source.text && study["tables"] == json!(source.tables);
+    if !is_same || kept(&there) != kept(&here) {
+        return Err(wrong(
+            "this continuation is of another scene, or of one with other values: make it again with the same scene file \
+             and --set"
+                .to_owned(),
+        ));
+    }
+    serde_json::from_value(study["results"]["branches"].take())
+        .map_err(|error| wrong(format!("these are no results of a continuation: {error}")))
 }
 
 fn write(folder: &Folder, name: &str, dof: usize, found: &Branches) -> Result<(), Box<dyn Error>> {

@@ -114,7 +114,7 @@ impl Folder {
     /// # Errors
     /// Returns an error if the file cannot be written; its previous content is kept.
     pub fn write_json(&self, results: impl Serialize) -> Result<(), Box<dyn Error>> {
-        let path = self.path.join("study.json");
+        let path = self.path.join(STUDY);
         let command: Vec<String> = std::env::args().skip(1).collect();
         let mut study = self.study.clone();
         study["command"] =
@@ -184,5 +184,8 @@ const FORMAT: u32 = 1;
 
 const JOURNAL: &str = "journal.jsonl";
 
+/// The command, the scene and all settings of a study, and its results.
+pub const STUDY: &str = "study.json";
+
 /// Files that every study writes at its end.
-const RESULTS: [&str; 2] = ["results.csv", "study.json"];
+const RESULTS: [&str; 2] = ["results.csv", STUDY];

@@ -114,6 +114,25 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Orbit, amontons::Error> {
     Ok(orbit)
 }
 
+/// Lets a scene begin on the orbit in a file, with which it must have its other values in common.
+///
+/// # Errors
+/// Returns an error if the file holds no orbit of this scene, or if a run from it is not back after the period.
+pub fn begin(path: &Path, scene: &mut Scene) -> Result<(), amontons::Error> {
+    let orbit = read(path, scene)?;
+    orbit.give_start(scene)?;
+    let (off, is_back) = orbit.comes_back(scene)?;
+    if !is_back {
+        let why = format!(
+            "this is no motion of {} as it is: a run from it is not back after {:e} s, but off by {off:.1e} of the \
+             motion's size; give the scene the values with which the orbit was found (`set` in the study.json beside it)",
+            scene.name, orbit.period
+        );
+        return Err(amontons::Error::file(path, &std::io::Error::other(why)));
+    }
+    Ok(())
+}
+
 fn write(path: &Path, orbit: &Orbit) -> Result<(), Box<dyn Error>> {
     let mut file = AtomicFile::create(path)?;
     let text = format!("{:#}\n", serde_json::to_value(orbit)?);
