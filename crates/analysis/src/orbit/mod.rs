@@ -9,6 +9,7 @@
 //! | `check` | the chain held against the event-driven integrator, segment by segment |
 //! | `multipliers` | monodromy matrix, rank, multipliers |
 //! | `extremes` | turning points |
+//! | `energy` | work and dissipation of one period |
 //! | `branch` | a branch of periodic motions over a parameter, its special points and ends |
 //! | `corrector` | one point of a branch from another, by pseudo-arclength |
 //! | `follow` | a branch from point to point: special points, changes of the sequence of events |
@@ -22,6 +23,7 @@ mod branch;
 mod chain;
 mod check;
 mod corrector;
+mod energy;
 mod equations;
 mod extremes;
 mod flow;
@@ -32,13 +34,14 @@ mod search;
 
 pub use branch::{Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint};
 pub use chain::{Chain, Linear, Segment, Unsolved};
+pub use energy::OrbitEnergy;
 pub use flow::{Field, Flow, Instant, Stage, check_method};
 pub use follow::branch;
 pub use multipliers::{Multipliers, multipliers};
 pub use search::{NoOrbit, Start, search};
 
 use amontons::contact::ContactState;
-use amontons::integrator::Event;
+use amontons::integrator::{Event, Motion};
 use amontons::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -79,6 +82,23 @@ pub struct Orbit {
     pub closure: f64,
     /// `true` if sines drive the motion.
     pub driven: bool,
+    /// Work and dissipation of one period; `None` if the scene does not request energy, and on branches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<OrbitEnergy>,
+}
+
+/// A motion that comes back after a period, or nearly: what a search or a run begins with. The file of an [`Orbit`] can be
+/// read as one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OrbitStart {
+    /// The period, s.
+    pub period: f64,
+    /// Displacements (m) at its beginning, one for each degree of freedom.
+    pub displacement: Vec<f64>,
+    /// Velocities (m/s) at its beginning.
+    pub velocity: Vec<f64>,
+    /// The states of the contacts at its beginning.
+    pub states: Vec<ContactState>,
 }
 
 /// A change of contact states in a periodic motion.
@@ -112,8 +132,30 @@ impl Orbit {
         }
     }
 
-    /// The initial values with which a run of the scene begins on the orbit, by their names in the FMU; the scene has the
-    /// values with which the orbit was found. Contact states follow from them, as at the start of every run.
+    /// Its beginning and its period.
+    #[must_use]
+    pub fn start(&self) -> OrbitStart {
+        let Self { period, displacement, velocity, states, .. } = self.clone();
+        OrbitStart { period, displacement, velocity, states }
+    }
+
+    /// The largest magnitude of a multiplier, 0 where all are zero.
+    #[must_use]
+    pub fn largest_multiplier(&self) -> f64 {
+        self.multipliers.iter().map(|[re, im]| libm::hypot(*re, *im)).fold(0.0, f64::max)
+    }
+}
+
+impl OrbitStart {
+    /// The motion at its beginning.
+    #[must_use]
+    pub fn motion(&self) -> Motion {
+        let Self { displacement, velocity, states, .. } = self.clone();
+        Motion::new(displacement, velocity, states)
+    }
+
+    /// The initial values with which a run of the scene begins there, by their names in the FMU; the scene has the
+    /// values with which the motion was found. Contact states follow from them, as at the start of every run.
     #[must_use]
     pub fn initial_values(&self, scene: &Scene) -> Vec<(String, f64)> {
         let velocity_of = |name: &str| match name.rsplit_once('.') {
@@ -128,11 +170,5 @@ impl Orbit {
         let places = places.map(|(name, value)| (format!("initial.{name}"), *value));
         let speeds = names.iter().zip(&self.velocity);
         places.chain(speeds.map(|(name, value)| (velocity_of(name), *value))).collect()
-    }
-
-    /// The largest magnitude of a multiplier, 0 where all are zero.
-    #[must_use]
-    pub fn largest_multiplier(&self) -> f64 {
-        self.multipliers.iter().map(|[re, im]| libm::hypot(*re, *im)).fold(0.0, f64::max)
     }
 }
