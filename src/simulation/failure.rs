@@ -17,8 +17,15 @@ impl Simulation {
     /// Error for a step that the integrator could not take on the way to a time (s).
     #[cold]
     pub(super) fn failed(&self, failure: StepFailure, target: f64) -> Error {
+        self.step_failed(target, &self.reason(failure))
+    }
+
+    /// The reason for which a step of this simulation's scene failed, with the contact and what would be right.
+    #[cold]
+    #[must_use]
+    pub fn reason(&self, failure: StepFailure) -> String {
         let contact_name = |contact| self.scene.contact_name(contact);
-        let what = match failure {
+        match failure {
             StepFailure::NoConvergence { sweeps, contact, change, tolerance } => {
                 let name = contact_name(contact);
                 let last = if change.is_finite() {
@@ -64,8 +71,7 @@ impl Simulation {
                  to try all their states, so that a solution may exist; lower friction.coefficient",
                 contact_name(contact)
             ),
-        };
-        self.step_failed(target, &what)
+        }
     }
 
     /// Error for a motion that is no longer finite, which began on the way to a time (s).

@@ -315,6 +315,18 @@ impl Simulation {
         self.stale.contact_forces = true;
     }
 
+    /// Goes on from another motion of this scene, with as many degrees of freedom and contacts, at the present time. Its
+    /// counters begin here, and so does its ledger in a scene that requests energy.
+    pub fn go_on_from(&mut self, motion: &Motion) {
+        let Motion { displacement, velocity, contacts, .. } = motion.clone();
+        self.motion = Motion::new(displacement, velocity, contacts);
+        if self.scene.effects.energy {
+            let ledger = Ledger::new(&self.model, &self.reference.equilibrium, &self.motion);
+            self.motion.ledger = Some(ledger);
+        }
+        self.stale.contact_forces = true;
+    }
+
     /// Counters since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {

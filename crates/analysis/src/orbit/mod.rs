@@ -9,6 +9,7 @@
 //! | `check` | the chain held against the event-driven integrator, segment by segment |
 //! | `multipliers` | monodromy matrix, rank, multipliers |
 //! | `extremes` | turning points |
+//! | `energy` | work and dissipation of one period |
 //! | `branch` | a branch of periodic motions over a parameter, its special points and ends |
 //! | `corrector` | one point of a branch from another, by pseudo-arclength |
 //! | `follow` | a branch from point to point: special points, changes of the sequence of events |
@@ -22,6 +23,7 @@ mod branch;
 mod chain;
 mod check;
 mod corrector;
+mod energy;
 mod equations;
 mod extremes;
 mod flow;
@@ -32,6 +34,7 @@ mod search;
 
 pub use branch::{Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint};
 pub use chain::{Chain, Linear, Segment, Unsolved};
+pub use energy::OrbitEnergy;
 pub use flow::{Field, Flow, Instant, Stage, check_method};
 pub use follow::branch;
 pub use multipliers::{Multipliers, multipliers};
@@ -40,7 +43,7 @@ pub use search::{NoOrbit, Start, search};
 use crate::assign::assign;
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::integrator::Event;
+use amontons::integrator::{Event, Motion};
 use amontons::scene::{Method, Scene, Selection};
 use amontons::simulation::Simulation;
 use serde::{Deserialize, Serialize};
@@ -49,7 +52,7 @@ use std::f64::consts::TAU;
 /// Multipliers are known to about this part.
 const KNOWN: f64 = 1e-9;
 /// Internal steps of a run over one period.
-const RETURN_STEPS: f64 = 100.0;
+const RETURN_STEPS: u32 = 100;
 
 /// A periodic motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,6 +88,23 @@ pub struct Orbit {
     pub closure: f64,
     /// `true` if sines drive the motion.
     pub driven: bool,
+    /// Work and dissipation of one period; `None` if the scene does not request energy, and on branches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<OrbitEnergy>,
+}
+
+/// A motion that comes back after a period, or nearly: what a search or a run begins with. The file of an [`Orbit`] can be
+/// read as one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OrbitStart {
+    /// The period, s.
+    pub period: f64,
+    /// Displacements (m) at its beginning, one for each degree of freedom.
+    pub displacement: Vec<f64>,
+    /// Velocities (m/s) at its beginning.
+    pub velocity: Vec<f64>,
+    /// The states of the contacts at its beginning.
+    pub states: Vec<ContactState>,
 }
 
 /// A change of contact states in a periodic motion.
@@ -118,8 +138,30 @@ impl Orbit {
         }
     }
 
-    /// Gives the scene the initial values with which its run begins on the orbit; the scene has the values with which the
-    /// orbit was found. Contact states follow from them, as at the start of every run.
+    /// Its beginning and its period.
+    #[must_use]
+    pub fn start(&self) -> OrbitStart {
+        let Self { period, displacement, velocity, states, .. } = self.clone();
+        OrbitStart { period, displacement, velocity, states }
+    }
+
+    /// The largest magnitude of a multiplier, 0 where all are zero.
+    #[must_use]
+    pub fn largest_multiplier(&self) -> f64 {
+        self.multipliers.iter().map(|[re, im]| libm::hypot(*re, *im)).fold(0.0, f64::max)
+    }
+}
+
+impl OrbitStart {
+    /// The motion at its beginning.
+    #[must_use]
+    pub fn motion(&self) -> Motion {
+        let Self { displacement, velocity, states, .. } = self.clone();
+        Motion::new(displacement, velocity, states)
+    }
+
+    /// Gives the scene the initial values with which its run begins there; the scene has the values with which the motion
+    /// was found. Contact states follow from them, as at the start of every run.
     ///
     /// # Errors
     /// Returns an error if the scene cannot have these initial values.
@@ -128,7 +170,7 @@ impl Orbit {
     }
 
     /// Runs the scene from its initial values over one period, event-driven, from time 0 on. Returns the difference from
-    /// the orbit's beginning after it, in parts of the motion's size, and whether it is as small as for an orbit.
+    /// the beginning after it, in parts of the motion's size, and whether it is as small as for an orbit.
     ///
     /// # Errors
     /// Returns an error if the run fails.
@@ -136,10 +178,18 @@ impl Orbit {
         // Just behind the events that may end a period.
         let end = self.period * (1.0 + check::NEAR);
         let (method, selection) = (Method::EventDriven, Selection::Given);
-        let scene = Scene { method, step: end / RETURN_STEPS, selection, ..scene.clone() };
+        let step = end / f64::from(RETURN_STEPS);
+        let scene = Scene { method, step, selection, ..scene.clone() };
         let mut simulation = Simulation::new(scene, 0.0)?;
-        simulation.advance_to(end)?;
-        let size = self.extents.iter().copied().fold(0.0, f64::max);
+        let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; self.displacement.len()];
+        for i in 1..=RETURN_STEPS {
+            simulation.advance_to(end * (f64::from(i) / f64::from(RETURN_STEPS)))?;
+            for (range, x) in ranges.iter_mut().zip(simulation.displacement()) {
+                *range = [range[0].min(*x), range[1].max(*x)];
+            }
+        }
+        let size =
+            ranges.iter().fold(0.0, |size: f64, [least, most]| size.max(0.5 * (most - least)));
         let difference = |a: &[f64], b: &[f64], unit: f64| {
             a.iter().zip(b).map(|(a, b)| (a - b).abs() / unit).fold(0.0, f64::max)
         };
@@ -162,11 +212,5 @@ impl Orbit {
         let places = places.map(|(name, value)| (format!("initial.{name}"), *value));
         let speeds = names.iter().zip(&self.velocity);
         places.chain(speeds.map(|(name, value)| (velocity_of(name), *value))).collect()
-    }
-
-    /// The largest magnitude of a multiplier, 0 where all are zero.
-    #[must_use]
-    pub fn largest_multiplier(&self) -> f64 {
-        self.multipliers.iter().map(|[re, im]| libm::hypot(*re, *im)).fold(0.0, f64::max)
     }
 }

@@ -5,9 +5,12 @@ use super::check::{Difference, compare};
 use super::extremes::extremes;
 use super::flow::{Flow, Instant};
 use super::multipliers::{Multipliers, implied, multipliers};
-use super::{Orbit, OrbitEvent};
+use super::{Orbit, OrbitEvent, OrbitStart};
+use amontons::contact::ContactState;
 use amontons::integrator::{Event, EventRecord, Motion, StepFailure};
-use std::fmt;
+use amontons::numerics::max_norm;
+use amontons::simulation::Simulation;
+use std::borrow::Cow;
 
 /// Most sequences of events that are solved for one orbit.
 const MOST_SEQUENCES: usize = 24;
@@ -58,6 +61,8 @@ pub enum NoOrbit {
         grazing: Option<f64>,
         /// Number of sequences of events that were solved.
         sequences: usize,
+        /// The motion with this gap; `None` if no sequence was solved to its end.
+        best: Option<Box<OrbitStart>>,
     },
 }
 
@@ -67,42 +72,47 @@ impl From<StepFailure> for NoOrbit {
     }
 }
 
-impl fmt::Display for NoOrbit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl NoOrbit {
+    /// The reason in words, with the names that things have in the scene of the simulation.
+    #[must_use]
+    pub fn words(&self, simulation: &Simulation) -> String {
         match self {
-            Self::Failed(failure) => write!(f, "the motion cannot be followed: {failure:?}"),
-            Self::Linear => f.write_str(
-                "no contact changes its state and nothing drives the motion: it is linear, and periodic motions of every \
-                 size are beside it",
-            ),
-            Self::NoReturn => f.write_str(
-                "no change of contact state of the run comes back: contacts may change their states in its beginning \
-                 only, or the motion is not periodic",
-            ),
-            Self::TooManyEvents { most } => {
-                write!(f, "one period has more than {most} changes of contact state")
+            Self::Failed(failure) => {
+                format!("the motion cannot be followed: {}", simulation.reason(*failure))
             }
-            Self::Overheld => f.write_str(
+            Self::Linear => {
+                "no contact changes its state and nothing drives the motion: it is linear, and periodic motions of every \
+                 size are beside it"
+                    .to_owned()
+            }
+            Self::NoReturn => {
+                "no change of contact state of the run comes back: contacts may change their states in its beginning \
+                 only, or the motion is not periodic"
+                    .to_owned()
+            }
+            Self::TooManyEvents { most } => {
+                format!("one period has more than {most} changes of contact state")
+            }
+            Self::Overheld => {
                 "contacts hold more directions than their masses have, and the instant at which they part has no \
-                 derivative",
-            ),
-            Self::NoCommonPeriod => f.write_str(
-                "the sines that drive it have no common period that is short enough to be followed",
-            ),
-            Self::NoMultipliers => f.write_str("the eigenvalues of its monodromy matrix were not found"),
-            Self::NotConverged { residual, grazing, sequences } => {
-                write!(
-                    f,
+                 derivative"
+                    .to_owned()
+            }
+            Self::NoCommonPeriod => {
+                "the sines that drive it have no common period that is short enough to be followed".to_owned()
+            }
+            Self::NoMultipliers => "the eigenvalues of its monodromy matrix were not found".to_owned(),
+            Self::NotConverged { residual, grazing, sequences, .. } => {
+                let ended = format!(
                     "Newton's method ended at a gap of {residual:.1e} of the motion's size, after {sequences} sequences of \
                      events; there may be none with these values, and `amontons study branches` shows where one ends"
-                )?;
+                );
                 match grazing {
-                    Some(time) => write!(
-                        f,
-                        "; {time:.6e} s after its beginning the motion meets an event tangentially, where it has no \
+                    Some(time) => format!(
+                        "{ended}; {time:.6e} s after its beginning the motion meets an event tangentially, where it has no \
                          derivative"
                     ),
-                    None => Ok(()),
+                    None => ended,
                 }
             }
         }
@@ -122,7 +132,7 @@ pub fn search(
     if flow.is_driven() && !start.period.is_some_and(|period| flow.returns_after(period)) {
         return Err(NoOrbit::NoCommonPeriod);
     }
-    let mut best = (f64::INFINITY, None);
+    let mut best = Best { residual: f64::INFINITY, grazing: None, chain: None };
     let mut tried = 0;
     for sequences in 1..=MOST_SEQUENCES {
         tried = sequences;
@@ -162,16 +172,45 @@ pub fn search(
             }
             Err(Unsolved::Stalled) => None,
         };
-        if residual < best.0 || best.1.is_none() && best.0.is_infinite() {
-            best = (residual, grazing);
+        if residual < best.residual || best.grazing.is_none() && best.residual.is_infinite() {
+            best = Best { residual, grazing, chain: Some(chain.clone()) };
         }
         let first = &chain.segments[0];
         start.motion = flow.motion(&first.start, &first.states);
         start.time = flow.time_of(chain.turn);
         start.period = start.period.filter(|_| flow.is_driven()).or(Some(chain.period()));
     }
-    let (residual, grazing) = best;
-    Err(NoOrbit::NotConverged { residual, grazing, sequences: tried })
+    let Best { residual, grazing, chain } = best;
+    let best = match chain {
+        Some(chain) => Some(Box::new(begun_with_drive(&chain, flow)?.1)),
+        None => None,
+    };
+    Err(NoOrbit::NotConverged { residual, grazing, sequences: tried, best })
+}
+
+/// The chain with the smallest gap so far, and its place where it is tangential ([`NoOrbit::NotConverged`]).
+struct Best {
+    residual: f64,
+    grazing: Option<f64>,
+    chain: Option<Chain>,
+}
+
+/// The chain that begins at time 0 if sines drive it, and its beginning.
+fn begun_with_drive<'a>(
+    chain: &'a Chain,
+    flow: &mut Flow,
+) -> Result<(Cow<'a, Chain>, OrbitStart), StepFailure> {
+    let chain = if flow.is_driven() && chain.turn != 0.0 {
+        Cow::Owned(chain.begun_later(flow, -flow.time_of(chain.turn))?)
+    } else {
+        Cow::Borrowed(chain)
+    };
+    let first = &chain.segments[0];
+    let mut motion = flow.motion(&first.start, &first.states);
+    clear_rounding(flow, &mut motion);
+    let Motion { displacement, velocity, contacts, .. } = motion;
+    let start = OrbitStart { period: chain.period(), displacement, velocity, states: contacts };
+    Ok((chain, start))
 }
 
 /// The shortest period under a drive after which a motion repeats itself, if that is a part of the chain's.
@@ -262,6 +301,24 @@ fn nearest_return(
     alike.min_by(|a, b| a.1.total_cmp(&b.1)).map(|&(.., from, to)| (from, to))
 }
 
+/// Puts gaps that are zero but for rounding to zero, with their rates where contacts are closed: otherwise a run that
+/// begins there would begin with a contact that is open, or inside its surface.
+fn clear_rounding(flow: &Flow, motion: &mut Motion) {
+    /// The largest rounding of a gap, in parts of the largest displacement.
+    const ROUNDING: f64 = 1e-12;
+    let least = ROUNDING * max_norm(&motion.displacement);
+    for (contact, state) in flow.model.contacts.iter().zip(&motion.contacts) {
+        // A gap between masses is a difference, whose rounding a run expects.
+        let &[(dof, _)] = contact.normal.0.as_slice() else { continue };
+        if motion.displacement[dof].abs() <= least {
+            motion.displacement[dof] = 0.0;
+            if *state != ContactState::Detached {
+                motion.velocity[dof] = 0.0;
+            }
+        }
+    }
+}
+
 /// The orbit of a chain that is solved and confirmed.
 ///
 /// # Errors
@@ -277,18 +334,10 @@ pub(super) fn orbit(
     })?;
     let Multipliers { values, zeros, ambiguous, along } = found.ok_or(NoOrbit::NoMultipliers)?;
     let driven = flow.is_driven();
-    // An orbit under a drive is told from time 0 on.
-    let turned;
-    let chain = if driven && chain.turn != 0.0 {
-        turned = chain.begun_later(flow, -flow.time_of(chain.turn))?;
-        &turned
-    } else {
-        chain
-    };
+    let (chain, start) = begun_with_drive(chain, flow)?;
     let multipliers = values.iter().map(|value| [value.re, value.im]).collect();
-    let extents = extremes(chain, flow)?.iter().map(|[least, most]| 0.5 * (most - least)).collect();
-    let first = &chain.segments[0];
-    let motion = flow.motion(&first.start, &first.states);
+    let extents =
+        extremes(&chain, flow)?.iter().map(|[least, most]| 0.5 * (most - least)).collect();
     let mut time = 0.0;
     let mut events = Vec::new();
     for (k, segment) in chain.segments.iter().enumerate() {
@@ -309,11 +358,12 @@ pub(super) fn orbit(
         own.sort_by_key(|event| event.0);
         events.push(OrbitEvent { time, events: own, states: next.states.clone() });
     }
+    let OrbitStart { period, displacement, velocity, states } = start;
     Ok(Orbit {
-        period: chain.period(),
-        displacement: motion.displacement,
-        velocity: motion.velocity,
-        states: motion.contacts,
+        period,
+        displacement,
+        velocity,
+        states,
         events,
         extents,
         multipliers,
@@ -323,5 +373,6 @@ pub(super) fn orbit(
         defect,
         closure,
         driven,
+        energy: None,
     })
 }

@@ -94,7 +94,7 @@ pub fn branches(
             let first = match solved(&scene_at(here)?, observation, from, journal, inner) {
                 Ok(Some(first)) => first,
                 Ok(None) => return Ok(None),
-                Err(error) => return Ok(Some(Err(error.to_string()))),
+                Err(unfound) => return Ok(Some(Err(unfound.error.to_string()))),
             };
             let (_, chain) = first;
             let continued = Continued {

@@ -74,7 +74,7 @@ pub use limit_cycle::{
 };
 pub use long_term::{Kind, LongTermMotion};
 pub use observation::{ObservationRequest, ObservationSettings, Prepare, output, pace, unit};
-pub use orbit::{FoundOrbit, From, orbit};
+pub use orbit::{FoundOrbit, From, Unfound, orbit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;
 pub use visit::Visited;

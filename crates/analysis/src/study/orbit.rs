@@ -6,7 +6,9 @@ use super::observation::ObservationSettings;
 use super::perturbation::{Direction, perturbation};
 use super::settling::run_to_steady_state;
 use super::{Journal, Push, Watch, drive};
-use crate::orbit::{Chain, Flow, NoOrbit, Orbit, Start, check_method, search};
+use crate::orbit::{
+    Chain, Flow, NoOrbit, Orbit, OrbitEnergy, OrbitStart, Start, check_method, search,
+};
 use crate::stability::{Linearised, linearity_limit, modes};
 use amontons::Error;
 use amontons::integrator::Motion;
@@ -22,8 +24,8 @@ pub enum From {
     /// A run from the boundary between two motions, over the values of one initial value: it stays near an unstable
     /// orbit for a while.
     Boundary(Direction),
-    /// A known orbit of this scene, perhaps with other values.
-    Orbit(Box<Orbit>),
+    /// A known orbit of this scene, perhaps with other values, or a motion that nearly comes back.
+    Orbit(Box<OrbitStart>),
     /// An oscillating mode of uniform sliding, by its place in the order of frequencies, from 1: just above the amplitude
     /// at which a contact leaves sliding. Where the mode begins to grow, branches begin there.
     Mode(usize),
@@ -40,6 +42,21 @@ pub struct FoundOrbit {
     pub boundary: Option<[f64; 2]>,
 }
 
+/// The reason why no orbit was found.
+#[derive(Clone, Debug)]
+pub struct Unfound {
+    /// The reason.
+    pub error: Error,
+    /// The motion at which Newton's method ended, if that is the reason ([`NoOrbit::NotConverged`]).
+    pub best: Option<Box<OrbitStart>>,
+}
+
+impl std::convert::From<Error> for Unfound {
+    fn from(error: Error) -> Self {
+        Self { error, best: None }
+    }
+}
+
 /// The part of the work before the search itself.
 const SETTLED: f64 = 0.9;
 /// Amplitude with which a mode is begun, relative to the one at which a contact leaves sliding.
@@ -47,7 +64,7 @@ const ABOVE_LINEAR: f64 = 1.05;
 /// Windows of a run from a boundary in which the nearest return is looked for.
 const WINDOWS_NEAR: f64 = 1.0;
 
-/// Finds one periodic motion. `None` if the watch ended it.
+/// Finds one periodic motion, with its energy if the scene requests it. `None` if the watch ended it.
 ///
 /// # Errors
 /// Returns an error if a run fails, if the scene settles into a motion that is not periodic, or if no orbit is found.
@@ -57,7 +74,7 @@ pub fn orbit(
     from: &From,
     journal: &Journal,
     watch: Watch<'_>,
-) -> Result<Option<FoundOrbit>, Error> {
+) -> Result<Option<FoundOrbit>, Unfound> {
     let part = |done: f64| (watch.progress)(SETTLED * done);
     let inner = Watch { progress: &part, ..watch };
     let found = solved(scene, observation, from, journal, inner)?;
@@ -71,7 +88,7 @@ pub(super) fn solved(
     from: &From,
     journal: &Journal,
     watch: Watch<'_>,
-) -> Result<Option<(FoundOrbit, Chain)>, Error> {
+) -> Result<Option<(FoundOrbit, Chain)>, Unfound> {
     check_method(scene)?;
     let begun = match from {
         From::Run => Begun::by_run(scene, observation, watch)?,
@@ -84,8 +101,12 @@ pub(super) fn solved(
     let Some(Begun { mut simulation, start, ending, boundary }) = begun else { return Ok(None) };
     let mut flow = Flow::of(&mut simulation)?;
     let found = search(&mut flow, &start, &|| !watch.is_over());
-    let found = found.map_err(|why| Error::analysis(refusal(scene, &why)))?;
-    Ok(found.map(|(orbit, chain)| (FoundOrbit { orbit, ending, boundary }, chain)))
+    let found = found.map_err(|why| unfound(&simulation, why))?;
+    let Some((mut orbit, chain)) = found else { return Ok(None) };
+    if scene.effects.energy {
+        orbit.energy = OrbitEnergy::of(&orbit, &mut simulation)?;
+    }
+    Ok(Some((FoundOrbit { orbit, ending, boundary }, chain)))
 }
 
 /// A simulation that is near a periodic motion.
@@ -180,15 +201,14 @@ impl Begun {
     }
 
     /// The beginning of a known orbit.
-    fn at_orbit(scene: &Scene, known: &Orbit) -> Result<Self, Error> {
+    fn at_orbit(scene: &Scene, known: &OrbitStart) -> Result<Self, Error> {
         let simulation = Simulation::new(scene.clone(), 0.0)?;
-        let Orbit { displacement, velocity, states, period, .. } = known.clone();
-        let motion = Motion::new(displacement, velocity, states);
         let period = match drive::period(&simulation) {
             // An orbit may take several periods of the drive, whose frequency may have changed.
-            Some(drive) => drive * (period / drive).round().max(1.0),
-            None => period,
+            Some(drive) => drive * (known.period / drive).round().max(1.0),
+            None => known.period,
         };
+        let motion = known.motion();
         let start = Start { motion, time: 0.0, period: Some(period), longest: period };
         Ok(Self { simulation, start, ending: None, boundary: None })
     }
@@ -215,6 +235,15 @@ fn no_period(scene: &Scene, ending: &LongTermMotion) -> Error {
     ))
 }
 
-fn refusal(scene: &Scene, why: &NoOrbit) -> String {
-    format!("no periodic motion of {} was found near the start: {why}", scene.name)
+fn unfound(simulation: &Simulation, why: NoOrbit) -> Unfound {
+    let error = Error::analysis(format!(
+        "no periodic motion of {} was found near the start: {}",
+        simulation.scene().name,
+        why.words(simulation)
+    ));
+    let best = match why {
+        NoOrbit::NotConverged { best, .. } => best,
+        _ => None,
+    };
+    Unfound { error, best }
 }

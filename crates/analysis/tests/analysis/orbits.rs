@@ -1,12 +1,13 @@
 //! Periodic motions, their multipliers and their branches agree with closed forms, with numbers of other programs, and
 //! with differences of runs.
 
-use amontons::integrator::{Event, Motion};
+use amontons::integrator::{Event, Motion, StepFailure};
 use amontons::scene::{Scene, builtin, parse};
 use amontons::simulation::Simulation;
 use amontons_analysis::assign::{assign, value_of};
 use amontons_analysis::orbit::{
-    Branch, BranchEnd, Chain, Continued, Flow, NoOrbit, Orbit, SpecialKind, Start, branch, search,
+    Branch, BranchEnd, Chain, Continued, Flow, NoOrbit, Orbit, OrbitEnergy, SpecialKind, Start,
+    branch, search,
 };
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
@@ -446,4 +447,66 @@ fn a_branch_over_the_amplitude_of_a_force_ends_where_friction_holds_the_mass() {
     let first = &branch.points[0];
     assert!((3.0..3.001).contains(&first.parameter), "{}", first.parameter);
     assert!(first.orbit.extents[0] < 1e-9);
+}
+
+/// The orbit near the motion of a scene after a time (s), with the energy of one period.
+fn with_energy(mut scene: Scene, time: f64, period: Option<f64>) -> (Orbit, OrbitEnergy) {
+    scene.effects.energy = true;
+    let mut simulation = after(scene, time);
+    let orbit = orbit(&mut simulation, period, period.unwrap_or(4.0));
+    let energy = OrbitEnergy::of(&orbit, &mut simulation).unwrap().unwrap();
+    assert!(energy.residual.abs() < 1e-9 * (energy.slider + energy.forces), "{energy:?}");
+    (orbit, energy)
+}
+
+/// In one period the block slips as far as the belt moves: friction takes µ N v T.
+#[test]
+fn friction_takes_the_way_of_the_belt_from_each_period_of_stick_slip() {
+    for zeta in [0.0, 0.05] {
+        let velocity = 0.1;
+        let (orbit, energy) = with_energy(belt(velocity, zeta), 10.0, None);
+        near(energy.friction, 0.3 * 10.0 * velocity * orbit.period, 1e-11);
+        near(energy.slider, energy.friction + energy.damping, 1e-11);
+        assert_eq!(energy.damping > 0.0, zeta > 0.0);
+        assert_eq!((energy.impact, energy.forces), (0.0, 0.0));
+    }
+}
+
+/// Without stops friction takes µ N over four amplitudes, all of it from the force that drives the motion.
+#[test]
+fn friction_takes_four_amplitudes_of_way_from_the_force_of_den_hartogs_oscillator() {
+    let (orbit, energy) = with_energy(scene("den_hartog", 1e-2, &[]), 40.0, Some(0.4));
+    near(energy.friction, 3.0 * 4.0 * orbit.extents[0], 1e-11);
+    near(energy.forces, energy.friction, 1e-11);
+    assert_eq!((energy.impact, energy.slider, energy.damping), (0.0, 0.0, 0.0));
+}
+
+/// The orbit begins just after an event, so a period that began there could miss a landing at its end.
+#[test]
+fn the_energy_of_a_period_with_impacts_has_each_of_them_once() {
+    let values = [("friction.coefficient", 1.5), ("slider.velocity", 0.3)];
+    let mut scene = scene("set1", 2e-4, &values);
+    scene.effects.energy = true;
+    let mut simulation = after(scene, 4.0);
+    let orbit = orbit(&mut simulation, None, 0.1);
+    let energy = OrbitEnergy::of(&orbit, &mut simulation).unwrap().unwrap();
+    assert!(energy.residual.abs() < 1e-9 * energy.slider, "{energy:?}");
+    assert!(energy.impact > 1e-3 * energy.slider, "{energy:?}");
+}
+
+#[test]
+fn a_scene_without_a_ledger_has_no_energy_of_a_period() {
+    let mut simulation = after(scene("den_hartog", 1e-2, &[]), 40.0);
+    let orbit = orbit(&mut simulation, Some(0.4), 0.4);
+    assert_eq!(OrbitEnergy::of(&orbit, &mut simulation).unwrap(), None);
+}
+
+#[test]
+fn a_failed_step_is_told_with_the_name_of_its_contact() {
+    let simulation = Simulation::new(scene("set2", 2e-4, &[]), 0.0).unwrap();
+    assert_eq!(
+        NoOrbit::Failed(StepFailure::Wedged { contact: 1 }).words(&simulation),
+        "the motion cannot be followed: friction wedges contact[2]: no contact force satisfies its law; lower \
+         friction.coefficient"
+    );
 }

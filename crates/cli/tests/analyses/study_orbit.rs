@@ -234,3 +234,63 @@ fn the_quasi_static_ways_are_laid_behind_the_branches_of_the_same_scene_alone() 
     let no_ways = ["study", "branches", "set2", "--parameter", friction, "--over", "laid"];
     assert_refused(&amontons(here, &no_ways), 1, &["study continuation"]);
 }
+
+/// A run that begins with an orbit, or with a motion that is nearly one, needs gaps of exactly zero.
+#[test]
+fn the_motion_at_which_newtons_method_ended_is_saved_and_is_a_start() {
+    let folder = folder();
+    let here = folder.path();
+    let squeal = ["study", "orbit", "set2", "--set", "initial.module[1].v2=0.5", "-o", "squeal"];
+    let found = amontons(here, &squeal);
+    assert!(found.status.success(), "{}", text(&found.stderr));
+    assert!(!text(&found.stdout).contains("in one period"), "{}", text(&found.stdout));
+    assert!(!here.join("squeal/best.json").exists());
+    // The branch of this motion turns back at 1.93188.
+    let from = "squeal/orbit.json";
+    let below =
+        ["study", "orbit", "set2", "--from", from, "--set", "friction.coefficient=1.9", "-o", "no"];
+    let best = Path::new("no").join("best.json").display().to_string();
+    assert_refused(&amontons(here, &below), 3, &["Newton's method ended", &best, "--from"]);
+    let found = amontons(here, &["study", "orbit", "set2", "--from", &best, "-o", "back"]);
+    assert!(found.status.success(), "{}", text(&found.stderr));
+    // A run begins on an orbit only.
+    let run = |start: &str| {
+        let arguments = ["--stop-time", "0.01", "--integrator", "event-driven", "--step", "2e-4"];
+        amontons(
+            here,
+            &[&["simulate", "set2", "--from", start, "-o", "run.csv"], &arguments[..]].concat(),
+        )
+    };
+    assert_refused(&run(&best), 1, &["no motion of set2 as it is"]);
+    let found = run("back/orbit.json");
+    assert!(found.status.success(), "{}", text(&found.stderr));
+}
+
+/// In one period of stick and slip the block slips as far as the belt moves, and the belt does all the work.
+#[test]
+fn a_scene_with_a_ledger_has_the_energy_of_one_period() {
+    let folder = folder();
+    let here = folder.path();
+    let shown = amontons(here, &["scenes", "show", "stick_slip"]);
+    let scene = format!("{}\n[effects]\nenergy = true\n", text(&shown.stdout));
+    std::fs::write(here.join("energy.toml"), scene).unwrap();
+    let found = amontons(here, &["study", "orbit", "energy.toml", "-o", "e"]);
+    let told = text(&found.stdout);
+    assert!(found.status.success(), "{}", text(&found.stderr));
+    for part in [
+        "in one period [J]",
+        "work of sliders           3.227555",
+        "work of forces            0.0",
+        "lost in damping           0.0",
+        "lost in friction          3.227555",
+        "lost in impacts           0.0",
+        "losses less work",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    let orbit = std::fs::read_to_string(here.join("e/orbit.json")).unwrap();
+    let orbit: serde_json::Value = serde_json::from_str(&orbit).unwrap();
+    let friction = orbit["energy"]["friction"].as_f64().unwrap();
+    let wanted = 0.4 * 10.0 * 0.1 * orbit["period"].as_f64().unwrap();
+    assert!((friction / wanted - 1.0).abs() < 1e-11, "{friction} {wanted}");
+}

@@ -148,9 +148,7 @@ fn over(values: impl Iterator<Item = f64>) -> String {
 }
 
 /// Runs the work of a study under a bar that shows the time left, until it is done or the user ends it.
-fn watched<T>(
-    work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
-) -> Result<T, amontons::Error> {
+fn watched<T>(work: impl FnOnce(Watch<'_>) -> T) -> T {
     interrupt::watched(&Progress::in_parts("the study"), work)
 }
 

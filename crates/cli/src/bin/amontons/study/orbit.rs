@@ -5,14 +5,15 @@ use super::folder::Folder;
 use super::{heading, interrupted, prepared, watched};
 use amontons::integrator::Event;
 use amontons::scene::Scene;
-use amontons_analysis::orbit::{Orbit, OrbitEvent};
+use amontons_analysis::orbit::{Orbit, OrbitEnergy, OrbitEvent, OrbitStart};
 use amontons_analysis::output::AtomicFile;
 use amontons_analysis::study::perturbation::Direction;
-use amontons_analysis::study::{FoundOrbit, From, initial_value, orbit};
+use amontons_analysis::study::{FoundOrbit, From, Unfound, initial_value, orbit};
 use amontons_analysis::sweep::range;
 use amontons_cli::say;
 use amontons_export::documentation::counted;
 use clap::Args;
+use serde::Serialize;
 use serde_json::json;
 use std::error::Error;
 use std::io::Write;
@@ -22,6 +23,8 @@ use std::path::{Path, PathBuf};
 pub const BOUNDARY: f64 = 1e-12;
 /// File of the orbit, from which other commands start.
 const FILE: &str = "orbit.json";
+/// File of the motion at which Newton's method ended, where it found no orbit.
+const BEST: &str = "best.json";
 
 #[derive(Args)]
 pub struct OrbitArguments {
@@ -67,7 +70,11 @@ pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
     };
     let settings = json!({ "look": observation, "between": between, "from": known, "mode": mode });
     let folder = Folder::open(common, "orbit", (&scene, &source), settings)?;
-    let found = watched(|watch| orbit(&scene, &observation, &start, folder.journal(), watch))?;
+    let found = watched(|watch| orbit(&scene, &observation, &start, folder.journal(), watch));
+    let found = match found {
+        Ok(found) => found,
+        Err(unfound) => return Err(with_best(unfound, folder.path())?.into()),
+    };
     let Some(found) = found else { return Err(interrupted(&folder)) };
     folder.write_csv(
         &["time", "phase", "contact", "event", "states"],
@@ -86,12 +93,23 @@ pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Reads an orbit that belongs to the scene.
-pub fn read(path: &Path, scene: &Scene) -> Result<Orbit, amontons::Error> {
+/// Saves the motion at which Newton's method ended, and returns the error, which then names its file.
+fn with_best(unfound: Unfound, folder: &Path) -> Result<amontons::Error, Box<dyn Error>> {
+    let Unfound { error, best: Some(best) } = &unfound else { return Ok(unfound.error) };
+    let path = folder.join(BEST);
+    write(&path, best)?;
+    Ok(error.in_words(format!(
+        "{error}; {} has the motion with this gap, from which --from of `study orbit` starts",
+        path.display()
+    )))
+}
+
+/// Reads an orbit, or a motion that is nearly one, that belongs to the scene.
+pub fn read(path: &Path, scene: &Scene) -> Result<OrbitStart, amontons::Error> {
     let text =
         std::fs::read_to_string(path).map_err(|error| amontons::Error::file(path, &error))?;
     let wrong = |why: String| amontons::Error::file(path, &std::io::Error::other(why));
-    let orbit: Orbit = serde_json::from_str(&text)
+    let orbit: OrbitStart = serde_json::from_str(&text)
         .map_err(|error| wrong(format!("this is no orbit of `amontons study orbit`: {error}")))?;
     let counts = [
         ("displacements", orbit.displacement.len(), scene.dof_names().len()),
@@ -133,7 +151,7 @@ pub fn begin(path: &Path, scene: &mut Scene) -> Result<(), amontons::Error> {
     Ok(())
 }
 
-fn write(path: &Path, orbit: &Orbit) -> Result<(), Box<dyn Error>> {
+fn write(path: &Path, orbit: &impl Serialize) -> Result<(), Box<dyn Error>> {
     let mut file = AtomicFile::create(path)?;
     let text = format!("{:#}\n", serde_json::to_value(orbit)?);
     file.write_all(text.as_bytes()).map_err(|error| amontons::Error::file(path, &error))?;
@@ -205,12 +223,26 @@ fn print(scene: &Scene, FoundOrbit { orbit, boundary, .. }: &FoundOrbit) {
         let extent = if *extent < 1e-15 * largest { 0.0 } else { *extent };
         say!("{name:<24}  {extent:.9e}");
     }
+    if let Some(energy) = &orbit.energy {
+        print_energy(energy);
+    }
     say!("\n{:>18}  {:>12}  {:<16}  {:<18}  then", "time [s]", "of a period", "contact", "event");
     for row in rows(scene, orbit).iter().flatten() {
         let [time, phase, contact, event, states] = row;
         let [time, phase]: [f64; 2] = [time, phase].map(|text| text.parse().unwrap_or(f64::NAN));
         say!("{time:>18.12e}  {phase:>12.9}  {contact:<16}  {event:<18}  {states}");
     }
+}
+
+fn print_energy(energy: &OrbitEnergy) {
+    let OrbitEnergy { damping, friction, impact, slider, forces, residual } = energy;
+    say!("\n{:<24}  in one period [J]", "energy");
+    say!("{:<24}  {slider:.9e}", "work of sliders");
+    say!("{:<24}  {forces:.9e}", "work of forces");
+    say!("{:<24}  {damping:.9e}", "lost in damping");
+    say!("{:<24}  {friction:.9e}", "lost in friction");
+    say!("{:<24}  {impact:.9e}", "lost in impacts");
+    say!("{:<24}  {residual:.0e}", "losses less work");
 }
 
 /// A multiplier in words; `None` of the second of a conjugate pair.
