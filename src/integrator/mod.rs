@@ -165,8 +165,8 @@ pub struct Wave {
     pub pushes: Vec<(usize, f64)>,
     /// The contacts whose slider velocities (m/s) include the wave, in ascending order.
     pub moves: Vec<usize>,
-    /// The contacts whose friction coefficients include the wave, each with the parts of the wave in µ_k and µ_s.
-    pub rubs: Vec<(usize, [f64; 2])>,
+    /// The contacts whose friction coefficients include the wave, in ascending order, each with the parts of the wave in µ_k and µ_s.
+    pub friction: Vec<(usize, [f64; 2])>,
 }
 
 impl Wave {
@@ -263,6 +263,11 @@ pub enum StepFailure {
     },
     /// The forces on this contact (from 0) are not finite.
     NotFinite {
+        /// The contact, from 0.
+        contact: usize,
+    },
+    /// The friction coefficient of a contact becomes negative within a step, or its static one falls below the kinetic one.
+    ImpossibleFriction {
         /// The contact, from 0.
         contact: usize,
     },

@@ -53,6 +53,11 @@ impl Simulation {
             StepFailure::TooManyChanges { most } => format!(
                 "contacts changed their states more than {most} times in one internal step; lower integrator.step"
             ),
+            StepFailure::ImpossibleFriction { contact } => format!(
+                "a signal takes a friction coefficient of {} below zero, or its static one below the kinetic one; lower \
+                 the signal, or raise the coefficient that it is added to",
+                contact_name(contact)
+            ),
             StepFailure::TooManySeries { most } => format!(
                 "one internal step took more than {most} power series; lower integrator.step, or look for \
                  a stiffness that is too large or a mass that is too small"

@@ -35,7 +35,7 @@ struct Input {
     /// Contacts whose surface the input moves, in ascending order.
     moves: Vec<usize>,
     /// Contacts whose µ_k or µ_s the input changes, each with the changes for one unit of the input.
-    rubs: Vec<(usize, [f64; 2])>,
+    friction: Vec<(usize, [f64; 2])>,
     /// Indices of the input's signals in the scene.
     signals: Vec<usize>,
     /// Ramp that an importer adds to the input over a step.
@@ -77,7 +77,7 @@ pub(super) fn moved_contacts(scene: &Scene, input: &Variable) -> Vec<usize> {
 }
 
 /// The contacts whose µ_k or µ_s an input changes, each with the changes for one unit of the input.
-fn rubbed_contacts(scene: &Scene, input: &Variable) -> Vec<(usize, [f64; 2])> {
+fn changed_friction(scene: &Scene, input: &Variable) -> Vec<(usize, [f64; 2])> {
     let mut other = scene.clone();
     let Some(value) = place_in(&mut other, input) else { return Vec::new() };
     *value += 1.0;
@@ -94,8 +94,8 @@ impl Input {
     fn new(scene: &Scene, nominal: &Parameters, place: usize) -> Self {
         let variable = nominal.variable(place).expect("a place among the parameters").clone();
         let moves = moved_contacts(scene, &variable);
-        let (effective, rubs) = (nominal.number(place), rubbed_contacts(scene, &variable));
-        Self { variable, place, effective, moves, rubs, signals: Vec::new(), ramp: None }
+        let (effective, friction) = (nominal.number(place), changed_friction(scene, &variable));
+        Self { variable, place, effective, moves, friction, signals: Vec::new(), ramp: None }
     }
 }
 
@@ -271,8 +271,8 @@ impl DrivenInputs {
     pub(super) fn waves(&self, effect_of: impl Fn(&Variable) -> InputEffect) -> Vec<Wave> {
         let wave = |(input, sine): (&Input, &Sine)| {
             let InputEffect { pushes, moves } = effect_of(&input.variable);
-            let (pulsation, rubs) = (TAU * sine.frequency, input.rubs.clone());
-            Wave { amplitude: 0.0, pulsation, phase: 0.0, pushes, moves, rubs }
+            let (pulsation, friction) = (TAU * sine.frequency, input.friction.clone());
+            Wave { amplitude: 0.0, pulsation, phase: 0.0, pushes, moves, friction }
         };
         self.sines().map(wave).collect()
     }
@@ -287,7 +287,7 @@ impl DrivenInputs {
         for (wave, (input, sine)) in waves.iter_mut().zip(self.sines()) {
             wave.amplitude = if sine.is_on(t + self.slack) { sine.amplitude } else { 0.0 };
             wave.phase = sine.phase_at(t);
-            for ((contact, change), (_, own)) in wave.rubs.iter_mut().zip(&input.rubs) {
+            for ((contact, change), (_, own)) in wave.friction.iter_mut().zip(&input.friction) {
                 *change = if has_friction(*contact) { *own } else { [0.0; 2] };
             }
         }
@@ -341,8 +341,8 @@ impl DrivenInputs {
         &self,
         t: f64,
     ) -> impl Iterator<Item = (&[(usize, [f64; 2])], f64)> {
-        let rubbing = self.inputs.iter().filter(|input| !input.rubs.is_empty());
-        rubbing.map(move |input| (&*input.rubs, self.rate_without_waves(input, t)))
+        let rubbing = self.inputs.iter().filter(|input| !input.friction.is_empty());
+        rubbing.map(move |input| (&*input.friction, self.rate_without_waves(input, t)))
     }
 
     fn rate_without_waves(&self, input: &Input, t: f64) -> f64 {

@@ -504,24 +504,34 @@ fn driven_friction(signal: &str, step: f64, more: &str) -> Scene {
     parse("rubs", &text).unwrap()
 }
 
-/// Displacement of the block at time `t` (s): ẍ = −96 x + µ(t) (10 + 72 x) from the equilibrium at time 0, by steps of a
-/// Runge–Kutta method from each of the edges to the next.
-fn rubbed(friction: impl Fn(f64) -> f64, edges: &[f64], t: f64) -> f64 {
+/// Displacement and velocity after steps of a Runge–Kutta method between two times, s.
+fn runge_kutta(
+    rate: impl Fn([f64; 2], f64) -> [f64; 2],
+    mut y: [f64; 2],
+    [from, to]: [f64; 2],
+) -> [f64; 2] {
     const STEPS: u32 = 20_000;
+    let along = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
+    let h = (to - from) / f64::from(STEPS);
+    for i in 0..STEPS {
+        let t = from + h * f64::from(i);
+        let k1 = rate(y, t);
+        let k2 = rate(along(y, k1, 0.5 * h), t + 0.5 * h);
+        let k3 = rate(along(y, k2, 0.5 * h), t + 0.5 * h);
+        let k4 = rate(along(y, k3, h), t + h);
+        y = [0, 1].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+    }
+    y
+}
+
+/// Displacement of the block at time `t` (s): ẍ = −96 x + µ(t) (10 + 72 x) from the equilibrium at time 0, from each of the
+/// edges to the next.
+fn rubbed(friction: impl Fn(f64) -> f64, edges: &[f64], t: f64) -> f64 {
     let equilibrium = friction(0.0) * 10.0 / (96.0 - friction(0.0) * 72.0);
     let rate = |[x, v]: [f64; 2], t: f64| [v, -96.0 * x + friction(t) * (10.0 + 72.0 * x)];
-    let along = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
     let (mut y, mut from) = ([equilibrium, 0.3], 0.0);
     for to in edges.iter().copied().filter(|edge| *edge < t).chain([t]) {
-        let h = (to - from) / f64::from(STEPS);
-        for i in 0..STEPS {
-            let t = from + h * f64::from(i);
-            let k1 = rate(y, t);
-            let k2 = rate(along(y, k1, 0.5 * h), t + 0.5 * h);
-            let k3 = rate(along(y, k2, 0.5 * h), t + 0.5 * h);
-            let k4 = rate(along(y, k3, h), t + h);
-            y = [0, 1].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
-        }
+        y = runge_kutta(rate, y, [from, to]);
         from = to;
     }
     y[0] - equilibrium
@@ -596,6 +606,88 @@ fn a_block_lets_go_where_a_falling_sine_of_static_friction_meets_its_force() {
     let times = [low + 0.01, 0.25];
     for (x, t) in displacements(parse("lets_go", text).unwrap(), &times).iter().zip(times) {
         assert!((x - expected(t)).abs() < 1e-13, "{x} {} at {t} s", expected(t));
+    }
+}
+
+#[test]
+fn a_block_lets_go_where_a_product_of_two_signals_meets_its_force() {
+    // The belt carries the block from the equilibrium in sliding, where the spring holds 3 N; it holds v · 200 N/m · t more
+    // when it reaches µ_s N. The order of the series was that of the displacements, which have two powers only.
+    let lets_go = |velocity: f64,
+                   signals: [&str; 2],
+                   friction: fn(f64) -> f64,
+                   normal: fn(f64) -> f64| {
+        let (mut low, mut high) = (0.0, 0.5);
+        for _ in 0..60 {
+            let t = f64::midpoint(low, high);
+            let is_before = 3.0 + velocity * 200.0 * t < friction(t) * normal(t);
+            if is_before { low = t } else { high = t }
+        }
+        let rate = |[x, v]: [f64; 2], t: f64| [v, -200.0 * x - 3.0 + 0.3 * normal(t)];
+        let [expected, _] = runge_kutta(rate, [velocity * low, velocity], [low, low + 0.1]);
+        for step in [0.01, 0.25] {
+            let text = format!(
+                "[slider]\nvelocity = {velocity:?}\nangle = 0.0\n[friction]\ncoefficient = 0.3\nstatic = 0.6\n\
+                 [integrator]\nmethod = \"event-driven\"\nstep = {step:?}\n[[mass]]\nname = \"a\"\nmass = 1.0\n\
+                 force = [0.0, -10.0]\n[[initial]]\nmass = \"a\"\nvx = {velocity:?}\n[[spring]]\nname = \"k\"\n\
+                 between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\n[[contact]]\nname = \"c\"\n\
+                 mass = \"a\"\n[[signal]]\ninput = \"friction.static\"\n{}\n[[signal]]\ninput = \"mass.a.fy\"\n{}",
+                signals[0], signals[1]
+            );
+            let x = displacements(parse("lets_go", &text).unwrap(), &[low + 0.1])[0];
+            assert!(
+                (x - expected).abs() < 1e-12,
+                "{x} {expected}, lets go at {low} s, step {step}"
+            );
+        }
+    };
+    lets_go(
+        0.02,
+        ["ramp = { to = -0.3, end = 1.0 }", "ramp = { to = 5.0, end = 1.0 }"],
+        |t| 0.6 - 0.3 * t,
+        |t| 10.0 - 5.0 * t,
+    );
+    lets_go(
+        0.03,
+        [
+            "sine = { amplitude = 0.2, frequency = 1.5 }",
+            "sine = { amplitude = 6.0, frequency = 1.5 }",
+        ],
+        |t| 0.6 + 0.2 * (TAU * 1.5 * t).sin(),
+        |t| 10.0 - 6.0 * (TAU * 1.5 * t).sin(),
+    );
+}
+
+#[test]
+fn a_motion_that_friction_alone_begins_with_its_second_power_is_not_missed() {
+    // In the equilibrium of sliding µ N = (0.4 + 0.2 t) (10 − 5 t) = 4 − t²: the first two powers of its motion are nothing.
+    let text = "[slider]\nvelocity = 100.0\nangle = 0.0\n[friction]\ncoefficient = 0.4\n[integrator]\n\
+        method = \"event-driven\"\nstep = 0.25\n[[mass]]\nname = \"a\"\nmass = 1.0\nforce = [0.0, -10.0]\n[[spring]]\n\
+        name = \"k\"\nbetween = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 100.0\n[[contact]]\nname = \"c\"\n\
+        mass = \"a\"\n[[signal]]\ninput = \"friction.coefficient\"\nramp = { to = 0.2, end = 1.0 }\n[[signal]]\n\
+        input = \"mass.a.fy\"\nramp = { to = 5.0, end = 1.0 }";
+    for (x, t) in displacements(parse("second", text).unwrap(), &[0.2, 0.9]).iter().zip([0.2, 0.9])
+    {
+        let expected: f64 = -t * t / 100.0 + 2e-4 * (1.0 - f64::cos(10.0 * t));
+        assert!((x - expected).abs() < 1e-15, "{x} {expected} at {t} s");
+    }
+}
+
+#[test]
+fn friction_that_becomes_impossible_within_a_step_is_refused_whatever_the_step_is() {
+    for (signal, is_refused) in [
+        ("sine = { amplitude = 0.39, frequency = 10.0 }", false),
+        ("sine = { amplitude = 0.41, frequency = 10.0 }", true),
+    ] {
+        // Each step of 0.1 s begins and ends where the sine is zero.
+        for step in [0.1, 1e-3] {
+            let mut simulation = Simulation::new(driven_friction(signal, step, ""), 0.0).unwrap();
+            let result = simulation.advance_to(0.5);
+            assert_eq!(result.is_err(), is_refused, "{result:?}, {signal}, step {step}");
+            if let Err(error) = result {
+                assert!(error.is_step() && error.to_string().contains("friction"), "{error}");
+            }
+        }
     }
 }
 

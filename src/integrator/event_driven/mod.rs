@@ -3,7 +3,7 @@
 //! Between two changes of contact state the equation of motion is linear, so its solution is a power series in time
 //! that is summed to the last digit. What the contact states require is a polynomial in time, whose first root is the
 //! next event. At an event the law of contact decides the states that follow. The internal step determines how often
-//! inputs are read. It does not determine the accuracy, but for friction coefficients that change.
+//! inputs are read. It does not determine the accuracy.
 //!
 //! Symbols: M ẍ = F − C ẋ − K x + Gᵀ λ with C = α M + β K and discrete dampers; G_N and G_T are the rows of G of one
 //! contact, λ its forces (N, T), v the velocity of its surface, v_r = v − G_T ẋ its slip velocity, σ = ±1 the sign of
@@ -26,8 +26,8 @@
 //!
 //!    where F_k and v̇_k are the powers of the outer forces and of the accelerations of the surfaces. The forces λ_k
 //!    follow from linear equations: λ_k = 0 of an open contact; G_N a_k = 0 of a closed one, with G_T a_k = v̇_k
-//!    where it sticks, or T_k = σ Σ_j µ_j N_{k−j} where it slips, with the powers µ_j of µ_k. [`series`] says how many powers are used, and how long τ
-//!    is.
+//!    where it sticks, or T_k = σ Σ_j µ_j N_{k−j} where it slips, with the powers µ_j of its coefficient. [`series`]
+//!    says how many powers are used, and how long τ is.
 //! 3. **Watch** ([`watch`]). Each state requires that these functions of s do not become negative:
 //!
 //!    | state | function | event |
@@ -352,6 +352,9 @@ impl<W: MotionObserver> EventDriven<W> {
             }
             let event = self.next_event(motion, inputs);
             let part = event.unwrap_or(1.0);
+            if let Some(contact) = self.series.impossible_friction(part) {
+                return Err(StepFailure::ImpossibleFriction { contact });
+            }
             if self.dynamics.law.is_reduced() {
                 self.count_broken(motion, inputs, part);
             }
@@ -445,7 +448,7 @@ impl<W: MotionObserver> EventDriven<W> {
                 self.surface[contact] += above;
                 self.surface_acceleration[contact] += rate;
             }
-            for &(contact, [kinetic, static_]) in &wave.rubs {
+            for &(contact, [kinetic, static_]) in &wave.friction {
                 self.friction[contact].kinetic += kinetic * (now - start);
                 self.friction[contact].static_ += static_ * (now - start);
             }
@@ -660,7 +663,6 @@ impl<W: MotionObserver> EventDriven<W> {
     /// law, or else as the contact problem has found it, until one of their states changes.
     fn share_loads(&mut self, motion: &Motion) {
         let Self { dynamics, series, surface, surface_acceleration, friction, .. } = self;
-        let law = &mut series.law;
         let new = |i: usize| motion.contacts[i];
         for group in 0..dynamics.problem.delassus.groups().len() {
             let problem = &mut dynamics.problem;
@@ -681,11 +683,17 @@ impl<W: MotionObserver> EventDriven<W> {
                     direction.map_or(held, |direction| held.slipping(direction))
                 }
             };
-            if turn && (problem.solve_inside(group, &motion.contacts, constraint) || is_found) {
+            // A balance of friction holds as long as the coefficients do.
+            let changes = contacts.iter().any(|&i| series.changes_friction(i));
+            if turn
+                && !changes
+                && (problem.solve_inside(group, &motion.contacts, constraint) || is_found)
+            {
+                let law = &mut series.law;
                 law.set(dynamics, &motion.contacts, friction);
                 law.share(dynamics, surface_acceleration, group);
             } else {
-                law.share_no_more(dynamics, group);
+                series.law.share_no_more(dynamics, group);
             }
         }
     }

@@ -25,6 +25,10 @@
 //! r τ ≈ 3 of one that decays as exp(−r t). Up to there Σ |c_k| is at most about 20 times the size of the motion,
 //! which is the factor on the rounding of its terms.
 //!
+//! Where the friction coefficient of a contact changes, a power of the friction force takes all lower ones of N, so that
+//! two small powers say nothing of the next. All powers up to n = 28 are then computed, the size on the right is that of
+//! all below n = 27, and the span is also one over which the powers of µ N beyond those of the forces are rounding.
+//!
 //! The size is that of all degrees of freedom together: a displacement far smaller than the others has their absolute
 //! error, not its own relative one.
 
@@ -102,9 +106,8 @@ pub(super) struct Series {
     swung: Vec<f64>,
     /// Rows of the powers of waves; only for small structures.
     wave_rows: Vec<f64>,
-    /// The friction coefficients that change, and one row of what that does.
-    friction_swings: Vec<FrictionSwing>,
-    friction_row: Vec<f64>,
+    /// The friction coefficients that change.
+    friction_changes: Vec<FrictionChange>,
     /// c_k, m, row by row; zero beyond the degrees of freedom.
     displacement: Vec<f64>,
     /// λ_k, N, row by row in the places of multipliers.
@@ -122,18 +125,25 @@ pub(super) struct Series {
     zeros: Vec<f64>,
 }
 
-/// The change of a friction coefficient over the span: of µ_s where the contact sticks, or else of T/N.
-struct FrictionSwing {
+/// The change of the friction coefficients of a contact over the span.
+struct FrictionChange {
     contact: usize,
-    slides: bool,
-    /// The powers from the first on.
-    powers: Polynomial,
+    /// The direction in which the contact slips; `None` if it does not.
+    direction: Option<f64>,
+    /// The powers of µ_k and µ_s; those of power 0 are the values at the beginning.
+    powers: [Polynomial; 2],
 }
 
-impl FrictionSwing {
-    /// Power k of its product with N, whose powers below k are known, N.
+impl FrictionChange {
+    /// The powers of the coefficient that acts in the contact's state, µ_k in slip.
+    fn acting(&self) -> &Polynomial {
+        &self.powers[usize::from(self.direction.is_none())]
+    }
+
+    /// Power k of what the change adds to the product of the acting coefficient and N, whose powers below k are known, N.
     fn product(&self, k: usize, normal: impl Fn(usize) -> f64) -> f64 {
-        (1..=k).fold(0.0, |sum, j| sum + self.powers[j] * normal(k - j))
+        let friction = self.acting();
+        (1..=k).fold(0.0, |sum, j| sum + friction[j] * normal(k - j))
     }
 }
 
@@ -183,8 +193,7 @@ impl Series {
             waves: Waves::new(),
             swung: vec![0.0; contacts],
             wave_rows: Vec::new(),
-            friction_swings: Vec::with_capacity(contacts),
-            friction_row: vec![0.0; places],
+            friction_changes: Vec::with_capacity(contacts),
             displacement: vec![0.0; (ORDER + 1) * places],
             forces: vec![0.0; (FORCE_ORDER + 1) * places],
             swing: vec![0.0; places],
@@ -232,9 +241,8 @@ impl Series {
                 *c = v * self.span;
             }
             self.waves.expand(&inputs.waves, now.passed, self.span);
-            self.swing_friction(inputs);
-            let is_driven = self.waves.powers() > 0 || !self.friction_swings.is_empty();
-            match (self.reduced.is_some(), is_driven) {
+            self.note_friction_changes(inputs, now.friction);
+            match (self.reduced.is_some() && !self.is_rubbed(), self.waves.powers() > 0) {
                 (true, false) => self.by_matrices::<false>(dynamics, inputs, now),
                 (true, true) => self.by_matrices::<true>(dynamics, inputs, now),
                 (false, _) => self.large(dynamics, inputs, now),
@@ -252,27 +260,57 @@ impl Series {
     }
 
     /// Notes the friction coefficients that change.
-    fn swing_friction(&mut self, inputs: &Inputs) {
-        self.friction_swings.clear();
+    fn note_friction_changes(&mut self, inputs: &Inputs, now: &[Friction]) {
+        self.friction_changes.clear();
         let is_steady = |rates: &[f64; 2]| *rates == [0.0; 2];
         if inputs.friction_rate.iter().all(is_steady)
-            && inputs.waves.iter().all(|wave| wave.rubs.is_empty())
+            && inputs.waves.iter().all(|wave| wave.friction.is_empty())
         {
             return;
         }
         for (contact, state) in self.states.iter().enumerate() {
-            let direction = state.sliding_direction();
-            let part = usize::from(direction.is_none());
-            let mut powers = [0.0; ORDER + 1];
-            powers[1] = self.span * inputs.friction_rate[contact][part];
-            let swings = self.waves.add_friction(&inputs.waves, (contact, part), &mut powers);
-            let is_driven = swings || powers[1] != 0.0;
-            if *state != ContactState::Detached && is_driven {
-                powers = powers.map(|power| direction.unwrap_or(1.0) * power);
-                let slides = direction.is_some();
-                self.friction_swings.push(FrictionSwing { contact, slides, powers });
+            let mut powers = [[0.0; ORDER + 1]; 2];
+            let mut is_driven = false;
+            for (part, powers) in powers.iter_mut().enumerate() {
+                powers[1] = self.span * inputs.friction_rate[contact][part];
+                is_driven |= self.waves.add_friction(&inputs.waves, (contact, part), powers);
+                is_driven |= powers[1] != 0.0;
+            }
+            if is_driven {
+                [powers[0][0], powers[1][0]] = [now[contact].kinetic, now[contact].static_];
+                let direction = state.sliding_direction();
+                self.friction_changes.push(FrictionChange { contact, direction, powers });
             }
         }
+    }
+
+    /// The first contact whose µ_k becomes negative, or whose µ_s falls below its µ_k, within this part of the span.
+    pub(super) fn impossible_friction(&self, part: f64) -> Option<usize> {
+        /// Beyond the rounding of a sine that just reaches zero.
+        const NOTHING: f64 = 1e-12;
+        let falls = |powers: &Polynomial| {
+            roots::first_negative(powers, [0.0; 3]).is_some_and(|time| time < part)
+        };
+        let is_impossible = |change: &&FrictionChange| {
+            let [mut kinetic, mut above] = change.powers;
+            for (above, kinetic) in above.iter_mut().zip(&kinetic) {
+                *above -= kinetic;
+            }
+            kinetic[0] += NOTHING;
+            above[0] += NOTHING;
+            falls(&kinetic) || falls(&above)
+        };
+        self.friction_changes.iter().find(is_impossible).map(|change| change.contact)
+    }
+
+    /// `true` if a friction coefficient of the contact changes over the span.
+    pub(super) fn changes_friction(&self, contact: usize) -> bool {
+        self.friction_change(contact).is_some()
+    }
+
+    /// `true` if forces of friction have powers of their own: those of a coefficient that changes in slip.
+    fn is_rubbed(&self) -> bool {
+        self.friction_changes.iter().any(|change| change.direction.is_some())
     }
 
     /// Sets the degrees of freedom that the contacts hold.
@@ -323,7 +361,6 @@ impl Series {
         self.write_wave_rows(dynamics, inputs, friction);
         let Some(reduced) = &mut self.reduced else { return };
         let matrices = reduced.of(dynamics, &mut self.law, &self.states, friction, (outer, slider));
-        let slides = self.friction_swings.iter().any(|swing| swing.slides);
         let Damping { alpha, beta } = dynamics.damping;
         let is_damped = alpha != 0.0 || !dynamics.dampers.is_empty();
         let displacement = self.displacement.as_chunks_mut::<N>().0;
@@ -334,31 +371,17 @@ impl Series {
         }
         let (is_free, carried) = (first::<N>(&self.is_free), first::<N>(&self.carried));
         let (per_span, square) = (1.0 / self.span, self.span * self.span);
+        let may_end = self.friction_changes.is_empty();
         let (mut negligible, mut swing) = (0.0, [0.0; N]);
-        for (k, power) in POWERS.iter().enumerate() {
+        for (k, (row, power)) in forces.iter_mut().zip(&POWERS).enumerate() {
             let (known, new) = displacement.split_at_mut(k + 2);
             let ([.., c, next], [new, ..]) = (known, new) else { return };
-            let (past, rows) = forces.split_at_mut(k);
-            let Some(row) = rows.first_mut() else { return };
             self.order = k + 2;
-            let mut start = match k {
+            let start = match k {
                 0 => matrices.load(),
                 1 => rate,
                 _ => swings.get(k).copied().unwrap_or([0.0; N]),
             };
-            if WAVES && slides && k > 0 {
-                let (law, zeros) = (&mut self.law, &self.zeros);
-                let outer = &mut self.outer_rate;
-                outer.fill(0.0);
-                let past = past.as_flattened();
-                rub(&self.friction_swings, &dynamics.contacts, law, (past, N), k, outer);
-                let still = &zeros[..self.dofs];
-                let slider = &zeros[..self.states.len()];
-                let acting = Actions { stretch: still, velocity: still, outer, slider };
-                law.set(dynamics, &self.states, friction);
-                law.apply(dynamics, acting, &mut self.friction_row);
-                start = std::array::from_fn(|i| start[i] + self.friction_row[i]);
-            }
             // The motion that a slider imposes has no powers beyond the second, unless it oscillates.
             let all = k <= 2 + waves;
             let factor = power.ahead * per_span;
@@ -390,7 +413,7 @@ impl Series {
             for (swing, force) in swing.iter_mut().zip(sum) {
                 *swing += force.abs();
             }
-            if k % 2 == 1 && k >= waves && size(next) + size(new) <= negligible {
+            if may_end && k % 2 == 1 && k >= waves && size(next) + size(new) <= negligible {
                 break;
             }
         }
@@ -444,7 +467,8 @@ impl Series {
     fn large(&mut self, dynamics: &Dynamics, inputs: &Inputs, now: SeriesStart<'_>) {
         let Self { law, stretch, velocity, zeros, outer_rate, dofs, span, waves, swung, .. } = self;
         law.set(dynamics, &self.states, now.friction);
-        let slides = self.friction_swings.iter().any(|swing| swing.slides);
+        let may_end = self.friction_changes.is_empty();
+        let is_rubbed = self.friction_changes.iter().any(|change| change.direction.is_some());
         let places = self.places;
         let (per_span, square) = (1.0 / *span, *span * *span);
         let mut negligible = 0.0;
@@ -461,7 +485,7 @@ impl Series {
                 stretch[dof] = c[dof] + dynamics.damping.beta * velocity[dof];
             }
             let swings = (1..waves.powers()).contains(&k);
-            let rubs = slides && k > 0;
+            let rubs = is_rubbed && k > 0;
             if k == 1 {
                 for (scaled, rate) in outer_rate.iter_mut().zip(&inputs.force_rate) {
                     *scaled = *span * rate;
@@ -470,7 +494,8 @@ impl Series {
                 outer_rate.fill(0.0);
             }
             if rubs {
-                rub(&self.friction_swings, &dynamics.contacts, law, (past, places), k, outer_rate);
+                let changes = &self.friction_changes;
+                add_friction(changes, &dynamics.contacts, law, (past, places), k, outer_rate);
             }
             if swings {
                 waves.add_forces(&inputs.waves, k, outer_rate);
@@ -511,7 +536,8 @@ impl Series {
             for (swing, force) in self.swing.iter_mut().zip(&*row) {
                 *swing += force.abs();
             }
-            if k % 2 == 1 && k >= waves.powers() && size(next) + size(new) <= negligible {
+            if may_end && k % 2 == 1 && k >= waves.powers() && size(next) + size(new) <= negligible
+            {
                 break;
             }
         }
@@ -521,11 +547,13 @@ impl Series {
     fn shorten(&mut self) {
         let size = |k: usize| size(&self.displacement[k * self.places..][..self.places]);
         let last = [ORDER - 1, ORDER].map(size);
-        let first = [0, 1, 2, 3].map(size);
+        let first: [f64; ORDER - 1] = std::array::from_fn(size);
+        // Where friction changes, the first powers may be nothing and later ones not.
+        let first = if self.friction_changes.is_empty() { &first[..4] } else { &first };
         let (mut part, mut power) = (1.0, 1.0);
         for _ in 0..MOST_SHORTENINGS {
-            let size = first.iter().rev().fold(0.0, |sum, c| sum * part + c);
-            if power * (last[0] + last[1] * part) <= TRUNCATION * size {
+            let is_covered = power * (last[0] + last[1] * part) <= TRUNCATION * value(first, part);
+            if is_covered && self.covers_friction(part) {
                 break;
             }
             part *= SHORTER;
@@ -545,13 +573,29 @@ impl Series {
         scale(&mut self.displacement);
         scale(&mut self.forces);
         self.waves.shorten(part);
-        for swing in &mut self.friction_swings {
+        for powers in self.friction_changes.iter_mut().flat_map(|change| &mut change.powers) {
             let mut power = 1.0;
-            for value in &mut swing.powers {
+            for value in powers {
                 *value *= power;
                 power *= part;
             }
         }
+    }
+
+    /// `true` if the powers of µ N that forces leave out are negligible over this part of the span, at every contact whose
+    /// friction changes.
+    fn covers_friction(&self, part: f64) -> bool {
+        self.friction_changes.iter().all(|change| {
+            let [normal, _] = self.law.places(change.contact);
+            let friction = change.acting().map(f64::abs);
+            let forces: [f64; FORCE_ORDER + 1] =
+                std::array::from_fn(|k| self.forces[k * self.places + normal].abs());
+            let whole = value(&friction, part) * value(&forces, part);
+            let kept = |k: usize| (0..=k).fold(0.0, |sum, j| sum + friction[j] * forces[k - j]);
+            let kept: [f64; FORCE_ORDER + 1] = std::array::from_fn(kept);
+            // The difference of sums of positive terms is exact to a few of their roundings.
+            whole - value(&kept, part) <= 16.0 * f64::EPSILON * whole
+        })
     }
 
     /// The covered time, s.
@@ -670,11 +714,13 @@ impl Series {
         if self.states[contact] != ContactState::Stick {
             let terms = self.normal_force(contact, polynomial);
             let slope = self.law.slope(contact);
-            let swing = self.friction_swing(contact);
+            let change = self.friction_change(contact);
             // From the last power down: a power of T needs all of N below it.
             for k in (0..terms).rev() {
-                let swung = swing.map_or(0.0, |swing| swing.product(k, |power| polynomial[power]));
-                polynomial[k] = slope * polynomial[k] + swung;
+                let added =
+                    change.map_or(0.0, |change| change.product(k, |power| polynomial[power]));
+                let direction = change.and_then(|change| change.direction).unwrap_or(1.0);
+                polynomial[k] = slope * polynomial[k] + direction * added;
             }
             return terms;
         }
@@ -700,17 +746,19 @@ impl Series {
             *value = friction * forces[row + normal] - sign * forces[row + tangent];
             row += places;
         }
-        if let Some(swing) = self.friction_swing(contact) {
+        if let Some(change) = self.friction_change(contact) {
             for (k, value) in polynomial[..terms].iter_mut().enumerate() {
-                *value += swing.product(k, |power| forces[power * places + normal]);
+                *value += change.product(k, |power| forces[power * places + normal]);
             }
         }
         terms
     }
 
-    /// The change of the friction coefficient of a contact; `None` if it stays.
-    fn friction_swing(&self, contact: usize) -> Option<&FrictionSwing> {
-        self.friction_swings.iter().find(|swing| swing.contact == contact)
+    /// The change of the friction coefficients of a contact; `None` if they stay.
+    fn friction_change(&self, contact: usize) -> Option<&FrictionChange> {
+        let changes = &self.friction_changes;
+        let place = changes.binary_search_by_key(&contact, |change| change.contact);
+        place.ok().map(|place| &changes[place])
     }
 
     /// Normal force N of a contact at the beginning, N.
@@ -736,7 +784,7 @@ impl Series {
 
     /// Lower bound of µ N of a contact that sticks over the span, N; `friction` is µ at the beginning.
     pub(super) fn least_limit(&self, contact: usize, friction: f64) -> f64 {
-        let lost = self.friction_swing(contact).map_or(0.0, |swing| size(&swing.powers));
+        let lost = self.friction_change(contact).map_or(0.0, |change| size(&change.acting()[1..]));
         f64::max(friction - lost, 0.0) * self.least_normal_force(contact)
     }
 
@@ -768,19 +816,25 @@ impl Series {
 
 /// Adds power k of the forces that changes of friction coefficients cause at contacts that slide, N. `past` has the
 /// powers of the forces below k, in rows of this many places.
-fn rub(
-    swings: &[FrictionSwing],
+fn add_friction(
+    changes: &[FrictionChange],
     contacts: &[Contact],
     law: &StateLaw,
     (past, places): (&[f64], usize),
     k: usize,
     outer: &mut [f64],
 ) {
-    for swing in swings.iter().filter(|swing| swing.slides) {
-        let [normal, _] = law.places(swing.contact);
-        let force = swing.product(k, |power| past[power * places + normal]);
-        contacts[swing.contact].tangent.add_to(outer, force);
+    for change in changes {
+        let Some(direction) = change.direction else { continue };
+        let [normal, _] = law.places(change.contact);
+        let force = direction * change.product(k, |power| past[power * places + normal]);
+        contacts[change.contact].tangent.add_to(outer, force);
     }
+}
+
+/// The value of a polynomial.
+fn value(powers: &[f64], at: f64) -> f64 {
+    powers.iter().rev().fold(0.0, |sum, power| sum * at + power)
 }
 
 /// Memory for a polynomial of the series.

@@ -117,12 +117,13 @@ impl Waves {
     ) -> bool {
         let mut is_driven = false;
         for (wave, values) in waves.iter().zip(&self.values) {
-            let own = wave.rubs.iter().filter(|rubbed| rubbed.0 == contact);
-            for factor in own.map(|rubbed| rubbed.1[part]) {
-                is_driven |= factor * wave.amplitude != 0.0;
-                for (sum, value) in polynomial.iter_mut().zip(values).take(self.powers).skip(1) {
-                    *sum += factor * value;
-                }
+            let Ok(own) = wave.friction.binary_search_by_key(&contact, |driven| driven.0) else {
+                continue;
+            };
+            let factor = wave.friction[own].1[part];
+            is_driven |= factor * wave.amplitude != 0.0;
+            for (sum, value) in polynomial.iter_mut().zip(values).take(self.powers).skip(1) {
+                *sum += factor * value;
             }
         }
         is_driven

@@ -105,7 +105,7 @@ impl Span {
                 phase: sine.atan2(cosine),
                 pushes: pushes.collect(),
                 moves: moves.collect(),
-                rubs: Vec::new(),
+                friction: Vec::new(),
             }
         };
         // Not a difference of velocities, of which rounding is a part of them however short the time is.

@@ -76,6 +76,8 @@ pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
         Err(unfound) => return Err(with_best(unfound, folder.path())?.into()),
     };
     let Some(found) = found else { return Err(interrupted(&folder)) };
+    // That of an earlier study in the same folder.
+    let _ = std::fs::remove_file(folder.path().join(BEST));
     folder.write_csv(
         &["time", "phase", "contact", "event", "states"],
         rows(&scene, &found.orbit).iter().flatten(),
