@@ -284,9 +284,7 @@ impl Simulation {
         self.stale.inputs = true;
         self.update_inputs([now, now])?;
         if let Some(driven) = &self.driven {
-            let model = &self.model;
-            let has_friction = |contact: usize| model.rubs(&model.contacts[contact]);
-            driven.bring_waves(now, has_friction, &mut self.inputs.waves);
+            driven.bring_waves(now, &self.model, &mut self.inputs.waves);
         }
         Ok(&self.inputs)
     }
@@ -516,13 +514,14 @@ impl Simulation {
     fn update_rates(&mut self, span: [f64; 2], step: f64) {
         let Some(driven) = &self.driven else { return };
         let model = &self.model;
-        let has_friction = |contact: usize| model.rubs(&model.contacts[contact]);
-        driven.bring_waves(span[0], has_friction, &mut self.inputs.waves);
+        driven.bring_waves(span[0], model, &mut self.inputs.waves);
         self.inputs.friction_rate.fill([0.0; 2]);
-        for (rubs, rate) in driven.friction_rates(span[0]) {
-            for &(contact, change) in rubs.iter().filter(|rubbed| has_friction(rubbed.0)) {
-                let own = &mut self.inputs.friction_rate[contact];
-                *own = [0, 1].map(|part| own[part] + change[part] * rate);
+        for (changes, rate) in driven.friction_rates(span[0]) {
+            for &(contact, change) in changes {
+                if model.rubs(&model.contacts[contact]) {
+                    let own = &mut self.inputs.friction_rate[contact];
+                    *own = [0, 1].map(|part| own[part] + change[part] * rate);
+                }
             }
         }
         for (i, acceleration) in self.inputs.slider_acceleration.iter_mut().enumerate() {

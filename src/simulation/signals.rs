@@ -8,6 +8,7 @@ use crate::Error;
 use crate::contact::Friction;
 use crate::error::Short;
 use crate::integrator::Wave;
+use crate::model::LumpedModel;
 use crate::scene::{Method, Scene, Shape, Signal, Sine};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -78,6 +79,16 @@ pub(super) fn moved_contacts(scene: &Scene, input: &Variable) -> Vec<usize> {
 
 /// The contacts whose µ_k or µ_s an input changes, each with the changes for one unit of the input.
 fn changed_friction(scene: &Scene, input: &Variable) -> Vec<(usize, [f64; 2])> {
+    let drives_friction = matches!(
+        input.template.quantity,
+        Quantity::FrictionCoefficient
+            | Quantity::StaticFriction
+            | Quantity::OwnFriction
+            | Quantity::OwnStaticFriction
+    );
+    if !drives_friction {
+        return Vec::new();
+    }
     let mut other = scene.clone();
     let Some(value) = place_in(&mut other, input) else { return Vec::new() };
     *value += 1.0;
@@ -277,18 +288,14 @@ impl DrivenInputs {
         self.sines().map(wave).collect()
     }
 
-    /// Updates the waves for a step that begins at time `t` (s); `has_friction` tells whether a contact has any.
-    pub(super) fn bring_waves(
-        &self,
-        t: f64,
-        has_friction: impl Fn(usize) -> bool,
-        waves: &mut [Wave],
-    ) {
+    /// Updates the waves for a step that begins at time `t` (s). They change friction only where `model` has any.
+    pub(super) fn bring_waves(&self, t: f64, model: &LumpedModel, waves: &mut [Wave]) {
         for (wave, (input, sine)) in waves.iter_mut().zip(self.sines()) {
             wave.amplitude = if sine.is_on(t + self.slack) { sine.amplitude } else { 0.0 };
             wave.phase = sine.phase_at(t);
             for ((contact, change), (_, own)) in wave.friction.iter_mut().zip(&input.friction) {
-                *change = if has_friction(*contact) { *own } else { [0.0; 2] };
+                let rubs = model.rubs(&model.contacts[*contact]);
+                *change = if rubs { *own } else { [0.0; 2] };
             }
         }
     }

@@ -465,10 +465,10 @@ impl Series {
 
     /// The recursion with sparse matrices.
     fn large(&mut self, dynamics: &Dynamics, inputs: &Inputs, now: SeriesStart<'_>) {
+        let is_rubbed = self.is_rubbed();
         let Self { law, stretch, velocity, zeros, outer_rate, dofs, span, waves, swung, .. } = self;
         law.set(dynamics, &self.states, now.friction);
         let may_end = self.friction_changes.is_empty();
-        let is_rubbed = self.friction_changes.iter().any(|change| change.direction.is_some());
         let places = self.places;
         let (per_span, square) = (1.0 / *span, *span * *span);
         let mut negligible = 0.0;

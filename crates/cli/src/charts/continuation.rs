@@ -107,8 +107,8 @@ fn curve(
     curve
 }
 
-/// The amplitude along one way over µ, with gaps at its jumps, and a line across each jump at which the way goes on. Where
-/// a motion at the jump had not settled, the line begins or ends at the nearest value.
+/// The amplitude along one way over µ, which has gaps at jumps, and a line for each jump at which the way goes on. The line
+/// leads across the jump. If a motion at the jump has not settled, the line begins or ends at the nearest value of µ.
 pub(super) fn way(
     found: &Continuation,
     way: SweepDirection,

@@ -40,7 +40,7 @@ pub(super) fn muted(place: usize) -> RGBColor {
     mixed(place, [3, 2])
 }
 
-/// A colour of the palette with so many parts of five, and white with the others.
+/// A mixture of a colour of the palette and of white; the two numbers of parts add up to five.
 fn mixed(place: usize, [parts, white]: [u16; 2]) -> RGBColor {
     let pale =
         |byte: u8| u8::try_from((parts * u16::from(byte) + white * 255 + 2) / 5).unwrap_or(u8::MAX);
