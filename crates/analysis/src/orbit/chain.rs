@@ -14,12 +14,12 @@
 //! event, which fixes its phase. Unlike a run over the whole period, the chain leaves no error that an unstable motion
 //! amplifies: each equation is met to rounding.
 
-use super::flow::{Field, Flow, Instant, Stage};
+use super::field::Field;
+use super::flow::{Flow, Instant, Stage};
 use super::matrix::{product, times};
 use amontons::contact::ContactState;
 use amontons::integrator::{Motion, StepFailure};
 use nalgebra::{DMatrix, DVector};
-use std::rc::Rc;
 
 /// Most corrections of one chain.
 const MOST_CORRECTIONS: usize = 40;
@@ -84,7 +84,7 @@ impl From<StepFailure> for Unsolved {
 
 /// The linear parts of one segment.
 pub struct Linear {
-    /// exp(A τ).
+    /// exp(A τ), or the derivative of the motion ([`Flow::propagator`]).
     pub flow: DMatrix<f64>,
     /// The state y⁻ before the instant that ends the segment.
     pub before: DVector<f64>,
@@ -162,8 +162,7 @@ impl Chain {
             place += 1;
         }
         let divided = &self.segments[place];
-        let field = flow.field(&divided.states)?;
-        let mut middle = flow.propagate(&field, &divided.start, within);
+        let mut middle = flow.propagate(&divided.states, &divided.start, within)?;
         flow.set_time(&mut middle, begin + time);
         // The old end of the period divides nothing any more.
         let count = self.segments.len();
@@ -229,8 +228,7 @@ impl Chain {
         let dofs = flow.dofs();
         let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; 2 * dofs];
         for segment in &self.segments {
-            let field = flow.field(&segment.states)?;
-            for (powers, _) in flow.powers(&field, &segment.start, segment.duration) {
+            for (powers, _) in flow.powers(&segment.states, &segment.start, segment.duration)? {
                 for (range, value) in ranges.iter_mut().zip(&powers[0]) {
                     *range = [range[0].min(*value), range[1].max(*value)];
                 }
@@ -284,21 +282,23 @@ impl Chain {
         (0..count)
             .map(|k| {
                 let segment = &self.segments[k];
-                let field = flow.field(&segment.states)?;
-                let propagator = flow.propagator(&field, segment.duration);
-                let before = times(&propagator, &segment.start);
+                let Segment { states, start, duration, .. } = segment;
+                let propagator = flow.propagator(states, start, *duration)?;
+                let before = times(&propagator, start);
+                let field = flow.field(states, &before)?;
                 let rate = Flow::rate(&field, &before);
                 let next = &self.segments[(k + 1) % count];
-                let after = flow.field(&next.states)?;
-                let row = end_row(flow, &field, segment, self.turn)
+                let row = end_row(flow, &field, &before, segment, self.turn)
                     .ok_or(Unsolved::Unknown { segment: k })?;
                 let mut reset = flow.held(&segment.states)?;
                 let mut states = segment.states.clone();
                 for stage in &segment.stages {
-                    reset = product(&flow.reset(&states, stage)?, &reset);
+                    let now = times(&reset, &before);
+                    reset = product(&flow.reset(&states, stage, &now)?, &reset);
                     states.clone_from(&stage.states);
                 }
                 let reached = times(&reset, &before);
+                let after = flow.field(&next.states, &reached)?;
                 let slope = row.dot(&rate);
                 if is_tangential(&row, &rate, slope) {
                     return Err(Unsolved::Grazes { segment: k });
@@ -325,15 +325,15 @@ impl Chain {
         let count = self.segments.len();
         let (mut defects, mut values) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for (k, segment) in self.segments.iter().enumerate() {
-            let field = flow.field(&segment.states)?;
-            let before = flow.propagate(&field, &segment.start, segment.duration);
-            let row = end_row(flow, &field, segment, self.turn)
+            let before = flow.propagate(&segment.states, &segment.start, segment.duration)?;
+            let field = flow.field(&segment.states, &before)?;
+            let row = end_row(flow, &field, &before, segment, self.turn)
                 .ok_or(Unsolved::Unknown { segment: k })?;
             values.push(row.dot(&before));
             let mut reached = times(&flow.held(&segment.states)?, &before);
             let mut states = &segment.states;
             for stage in &segment.stages {
-                reached = times(&flow.reset(states, stage)?, &reached);
+                reached = times(&flow.reset(states, stage, &reached)?, &reached);
                 states = &stage.states;
             }
             defects.push(reached - &self.segments[(k + 1) % count].start);
@@ -566,13 +566,20 @@ pub(super) fn is_tangential(row: &DVector<f64>, rate: &DVector<f64>, slope: f64)
     slope.abs() <= 1e-12 * terms || !slope.is_finite()
 }
 
-/// The row of the function that ends a segment: that of its first event, or the phase of the first sine.
-fn end_row(flow: &Flow, field: &Rc<Field>, segment: &Segment, turn: f64) -> Option<DVector<f64>> {
+/// The row, near the state `before` at its end, of the function that ends a segment: that of its first event, or the phase
+/// of the first sine.
+fn end_row(
+    flow: &Flow,
+    field: &Field,
+    before: &DVector<f64>,
+    segment: &Segment,
+    turn: f64,
+) -> Option<DVector<f64>> {
     match segment.stages.first() {
         None => flow.phase_row(turn),
         Some(stage) => {
             let (contact, event) = *stage.events.first()?;
-            flow.event_row(field, contact, event)
+            flow.event_row(field, before, contact, event)
         }
     }
 }

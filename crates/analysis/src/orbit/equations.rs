@@ -1,34 +1,81 @@
 //! The linear equations of a [`Flow`]: the matrix of each set of contact states, the functions whose zeros are events,
 //! and the maps across them.
 
-use super::flow::{Field, Flow, Stage};
-use super::matrix::{exponential, product, times};
-use amontons::contact::{ContactState, Friction};
+use super::field::{Field, Rubbing};
+use super::flow::{Flow, Stage};
+use super::matrix::{product, times};
+use amontons::contact::ContactState;
 use amontons::integrator::{
-    AppliedLoad, ConstrainedResponse, Event, HeldStates, Integrator, StepFailure,
+    AppliedLoad, ConstrainedResponse, Event, HeldStates, Integrator, StepFailure, Wave,
 };
 use amontons::model::{Contact, Direction, SparseMatrix};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Powers of a motion over a part of a segment in which A t has at most norm 1: 1/20! = 4e-19.
-const POWERS: usize = 19;
-
 impl Flow {
-    /// T/N of each contact that slides, 0 of others.
-    fn slopes(&self, states: &[ContactState]) -> Vec<f64> {
-        let slope = |(state, friction): (&ContactState, &Friction)| {
-            state.sliding_direction().unwrap_or(0.0) * friction.kinetic
-        };
-        states.iter().zip(&self.friction).map(slope).collect()
+    /// The row of µ_k or µ_s (`part` 0 or 1) of a contact.
+    fn friction_row(&self, contact: usize, part: usize) -> DVector<f64> {
+        let first = 2 * self.dofs();
+        let mut row = DVector::zeros(self.size());
+        let friction = self.friction[contact];
+        row[first] = [friction.kinetic, friction.static_][part];
+        for (j, wave) in self.waves.iter().enumerate() {
+            for (_, parts) in wave.friction.iter().filter(|driven| driven.0 == contact) {
+                row[first + 1 + 2 * j] += wave.amplitude * parts[part];
+            }
+        }
+        row
     }
 
-    pub(super) fn make_field(&mut self, states: &[ContactState]) -> Result<Field, StepFailure> {
+    /// µ_k or µ_s (`part` 0 or 1) of a contact at a state, which depends on the places of time alone.
+    fn friction_at(&self, contact: usize, part: usize, y: &DVector<f64>) -> f64 {
+        let times = 2 * self.dofs()..;
+        self.friction_row(contact, part).rows_range(times.clone()).dot(&y.rows_range(times))
+    }
+
+    /// T/N of each contact that slides at this state, 0 of others.
+    fn slopes(&self, states: &[ContactState], y: &DVector<f64>) -> Vec<f64> {
+        let slope = |(contact, state): (usize, &ContactState)| {
+            let direction = state.sliding_direction();
+            direction.map_or(0.0, |direction| direction * self.friction_at(contact, 0, y))
+        };
+        states.iter().enumerate().map(slope).collect()
+    }
+
+    /// The contacts that slip in these states while sines drive their µ_k, each with the row of s δµ, which is zero at the
+    /// state `y`.
+    pub(super) fn friction_changes(
+        &self,
+        states: &[ContactState],
+        y: &DVector<f64>,
+    ) -> Vec<(usize, DVector<f64>)> {
+        let change = |(contact, state): (usize, &ContactState)| {
+            let direction = state.sliding_direction()?;
+            let drives = |wave: &Wave| {
+                let is_own = |(own, parts): &(usize, [f64; 2])| *own == contact && parts[0] != 0.0;
+                wave.amplitude != 0.0 && wave.friction.iter().any(is_own)
+            };
+            self.waves.iter().any(drives).then(|| {
+                let mut row = self.friction_row(contact, 0);
+                row[2 * self.dofs()] -= self.friction_at(contact, 0, y);
+                (contact, row * direction)
+            })
+        };
+        states.iter().enumerate().filter_map(change).collect()
+    }
+
+    /// The equation in these states near a state, of which only the places of time count.
+    pub(super) fn make_field(
+        &mut self,
+        states: &[ContactState],
+        y: &DVector<f64>,
+    ) -> Result<Field, StepFailure> {
         let (n, size, contacts) = (self.dofs(), self.size(), self.surface.len());
-        let slopes = self.slopes(states);
+        let slopes = self.slopes(states, y);
         let mut field = Field {
             matrix: DMatrix::zeros(size, size),
             forces: vec![[DVector::zeros(size), DVector::zeros(size)]; contacts],
+            rubbing: Vec::new(),
         };
         let mut response = ConstrainedResponse::new(contacts, n);
         for column in 0..size {
@@ -72,6 +119,13 @@ impl Flow {
                 (rows[0][column], rows[1][column]) = (forces[0], forces[1]);
             }
         }
+        for (contact, change) in self.friction_changes(states, y) {
+            let held = HeldStates { states, slopes: &slopes };
+            let push = self.pushed_along(contact, held, &mut response)?;
+            let mut forces = response.forces.clone();
+            forces[contact][1] += 1.0;
+            field.rubbing.push(Rubbing { contact, change, push, forces });
+        }
         // What a contact holds by itself is held exactly.
         for (i, state) in states.iter().enumerate() {
             let contact = &self.model.contacts[i];
@@ -81,6 +135,9 @@ impl Flow {
             if let Some(dof) = contact.normal.as_unit() {
                 field.matrix.row_mut(dof).fill(0.0);
                 field.matrix.row_mut(n + dof).fill(0.0);
+                for rubbing in &mut field.rubbing {
+                    rubbing.push[n + dof] = 0.0;
+                }
             }
             if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
                 field.matrix.row_mut(n + dof).fill(0.0);
@@ -90,55 +147,31 @@ impl Flow {
                             wave.amplitude * wave.pulsation;
                     }
                 }
+                for rubbing in &mut field.rubbing {
+                    rubbing.push[n + dof] = 0.0;
+                }
             }
         }
+        field.rub(y);
         Ok(field)
     }
 
-    /// exp(A t) of a field.
-    #[must_use]
-    pub fn propagator(&self, field: &Field, t: f64) -> DMatrix<f64> {
-        exponential(&field.matrix, &self.units, t)
-    }
-
-    /// exp(A t) y, as the power series of the motion over parts of the time.
-    #[must_use]
-    pub fn propagate(&self, field: &Field, y: &DVector<f64>, t: f64) -> DVector<f64> {
-        let (powers, part) = self.powers(field, y, t).last().expect("there is at least one part");
-        powers.iter().rev().fold(DVector::zeros(y.len()), |sum, c| sum * part + c)
-    }
-
-    /// The motion from a state on over the time `t` (s), as power series in the time since the beginning of each of its
-    /// parts, with the parts' lengths (s). Over a part A t has at most norm 1.
-    pub(super) fn powers<'a>(
-        &'a self,
-        field: &'a Field,
-        y: &DVector<f64>,
-        t: f64,
-    ) -> impl Iterator<Item = (Vec<DVector<f64>>, f64)> + 'a {
-        let of_column = |j: usize| {
-            let column = field.matrix.column(j);
-            let sizes = column.iter().zip(&self.units).map(|(a, unit)| (a / unit).abs());
-            sizes.sum::<f64>() * self.units[j]
-        };
-        let norm = (0..self.units.len()).map(of_column).fold(0.0, f64::max);
-        let count = (norm * t.abs()).ceil().max(1.0);
-        let part = t / count;
-        let mut start = y.clone();
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        (0..count as usize).map(move |_| {
-            let mut powers = Vec::with_capacity(POWERS + 1);
-            powers.push(start.clone());
-            let mut factor = 0.0;
-            for k in 0..POWERS {
-                factor += 1.0;
-                let next = times(&field.matrix, &powers[k]) / factor;
-                powers.push(next);
-            }
-            let zero = DVector::zeros(start.len());
-            start = powers.iter().rev().fold(zero, |sum, c| sum * part + c);
-            (powers, part)
-        })
+    /// The accelerations that a force of 1 N along the tangent of a contact causes, among the places of a state's rate.
+    fn pushed_along(
+        &mut self,
+        contact: usize,
+        held: HeldStates<'_>,
+        response: &mut ConstrainedResponse,
+    ) -> Result<DVector<f64>, StepFailure> {
+        let n = self.dofs();
+        let mut force = vec![0.0; n];
+        self.model.contacts[contact].tangent.add_to(&mut force, 1.0);
+        let still = vec![0.0; held.states.len()];
+        let load = AppliedLoad { force: &force, slider_acceleration: &still };
+        self.integrator.respond(held, load, response)?;
+        let mut push = DVector::zeros(self.size());
+        push.rows_mut(n, n).copy_from_slice(&response.acceleration);
+        Ok(push)
     }
 
     /// The units of a state's places.
@@ -160,10 +193,17 @@ impl Flow {
         row
     }
 
-    /// The row of the function that is zero at an event of a contact: gap (m), slip velocity (m/s), normal force or
-    /// reserve of friction (N). `field` is that of the states before. `None` of an event that has no such function.
+    /// The row, near the state `y`, of the function that is zero at an event of a contact: gap (m), slip velocity (m/s),
+    /// normal force or reserve of friction (N). `field` is that of the states before at `y`. `None` of an event that has no
+    /// such function.
     #[must_use]
-    pub fn event_row(&self, field: &Field, contact: usize, event: Event) -> Option<DVector<f64>> {
+    pub fn event_row(
+        &self,
+        field: &Field,
+        y: &DVector<f64>,
+        contact: usize,
+        event: Event,
+    ) -> Option<DVector<f64>> {
         let n = self.dofs();
         let Contact { normal, tangent, .. } = &self.model.contacts[contact];
         Some(match event {
@@ -173,7 +213,10 @@ impl Flow {
             Event::Slip(state) => {
                 let [normal, tangential] = &field.forces[contact];
                 let direction = state.sliding_direction().unwrap_or(1.0);
-                self.friction[contact].static_ * normal - direction * tangential
+                let friction = self.friction_at(contact, 1, y);
+                let mut change = self.friction_row(contact, 1);
+                change[2 * n] -= friction;
+                friction * normal - direction * tangential + change * normal.dot(y)
             }
             Event::Leave(_) | Event::Part => return None,
         })
@@ -213,7 +256,8 @@ impl Flow {
         Some(row)
     }
 
-    /// The linear map of the state across the events of one stage; `before` are the states before.
+    /// The linear map of the state across the events of one stage, near the state `y` just before; `before` are the contact
+    /// states before.
     ///
     /// # Errors
     /// Returns the contact whose impulses were not found.
@@ -221,6 +265,7 @@ impl Flow {
         &mut self,
         before: &[ContactState],
         stage: &Stage,
+        y: &DVector<f64>,
     ) -> Result<DMatrix<f64>, StepFailure> {
         let size = self.size();
         let mut map = DMatrix::identity(size, size);
@@ -244,9 +289,9 @@ impl Flow {
                 })
                 .collect();
             let placed = self.position_map(&closed)?;
-            let slopes = self.slopes(states);
-            let struck = self.velocity_map(states, &slopes)?;
-            map = product(&struck, &product(&placed, &map));
+            map = product(&placed, &map);
+            let struck = self.impact_map(states, &times(&map, y))?;
+            map = product(&struck, &map);
         }
         Ok(product(&self.held(&stage.states)?, &map))
     }
@@ -295,7 +340,37 @@ impl Flow {
         }
     }
 
-    /// The map of an impact in which contacts take these states, or that removes velocities which contacts hold.
+    /// The map, near the state `y`, of an impact in which contacts take these states.
+    fn impact_map(
+        &mut self,
+        states: &[ContactState],
+        y: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, StepFailure> {
+        let slopes = self.slopes(states, y);
+        let mut map = self.velocity_map(states, &slopes)?;
+        let changes = self.friction_changes(states, y);
+        if changes.is_empty() {
+            return Ok(map);
+        }
+        let (n, contacts) = (self.dofs(), self.surface.len());
+        let held = HeldStates { states, slopes: &slopes };
+        let mut momentum = vec![0.0; n];
+        for (dof, velocity) in y.rows(n, n).iter().enumerate() {
+            subtract_column(&mut momentum, &self.model.mass, dof, -velocity);
+        }
+        let surfaces: Vec<f64> = (0..contacts).map(|i| self.surface_row(i).dot(y)).collect();
+        let mut response = ConstrainedResponse::new(contacts, n);
+        let load = AppliedLoad { force: &momentum, slider_acceleration: &surfaces };
+        self.integrator.respond(held, load, &mut response)?;
+        let impulses = response.forces.clone();
+        for (contact, change) in changes {
+            let push = self.pushed_along(contact, held, &mut response)?;
+            map.ger(impulses[contact][0], &push, &change, 1.0);
+        }
+        Ok(map)
+    }
+
+    /// The map of an impact with these ratios T/N, or that removes velocities which contacts hold.
     fn velocity_map(
         &mut self,
         states: &[ContactState],

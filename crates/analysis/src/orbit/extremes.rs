@@ -12,8 +12,7 @@ use amontons::numerics::bisect;
 pub fn extremes(chain: &Chain, flow: &mut Flow) -> Result<Vec<[f64; 2]>, StepFailure> {
     let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; flow.dofs()];
     for segment in &chain.segments {
-        let field = flow.field(&segment.states)?;
-        for (powers, part) in flow.powers(&field, &segment.start, segment.duration) {
+        for (powers, part) in flow.powers(&segment.states, &segment.start, segment.duration)? {
             for (dof, range) in ranges.iter_mut().enumerate() {
                 let place = |s: f64| powers.iter().rev().fold(0.0, |sum, c| sum * s + c[dof]);
                 let speed = |s: f64| {

@@ -3,8 +3,9 @@
 //! The state is y = (x, ẋ, 1, sin θ_1, cos θ_1, …): displacements (m) and velocities (m/s) of all degrees of freedom,
 //! the number 1, and sine and cosine of the phase θ_j = θ_j0 + ω_j t of each sine signal. In given contact states
 //! ẏ = A y with a constant matrix A, the contact forces are linear in y, and so is every function whose zero is an
-//! event.
+//! event. Where sines drive friction coefficients, all these are so near a state ([`Field`]).
 
+use super::field::Field;
 use amontons::Error;
 use amontons::contact::{ContactState, Friction};
 use amontons::integrator::{
@@ -14,7 +15,7 @@ use amontons::model::LumpedModel;
 use amontons::numerics::max_norm;
 use amontons::scene::{Method, Scene, Shape, Signal, Sine};
 use amontons::simulation::Simulation;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -37,14 +38,6 @@ pub struct Flow {
     /// Units of the state's places, for sums of numbers of one size.
     pub(super) units: Vec<f64>,
     fields: HashMap<Vec<ContactState>, Rc<Field>>,
-}
-
-/// The linear equation in given contact states.
-pub struct Field {
-    /// A of ẏ = A y.
-    pub matrix: DMatrix<f64>,
-    /// Rows of (N, T) of each contact, N: the forces are their products with y.
-    pub forces: Vec<[DVector<f64>; 2]>,
 }
 
 /// One event after another at one instant.
@@ -103,8 +96,8 @@ impl Flow {
     /// The flow of a scene from the present instant of a simulation on.
     ///
     /// # Errors
-    /// Returns an error if a signal still changes otherwise than by a sine without an end, if a sine drives a friction
-    /// coefficient, or if the event-driven method does not support the scene.
+    /// Returns an error if a signal still changes otherwise than by a sine without an end, or if the event-driven method
+    /// does not support the scene.
     pub fn of(simulation: &mut Simulation) -> Result<Self, Error> {
         let scene = simulation.scene();
         check_signals(scene, simulation.time())?;
@@ -118,12 +111,17 @@ impl Flow {
         let waves: Vec<Wave> =
             inputs.waves.into_iter().filter(|wave| wave.amplitude != 0.0 || !any_is_over).collect();
         let (mut force, mut surface) = (inputs.force, inputs.slider_velocity);
+        let mut friction = inputs.friction;
         for wave in &waves {
             for &(dof, factor) in &wave.pushes {
                 force[dof] -= factor * wave.after(0.0);
             }
             for &contact in &wave.moves {
                 surface[contact] -= wave.after(0.0);
+            }
+            for &(contact, [kinetic, static_]) in &wave.friction {
+                friction[contact].kinetic -= kinetic * wave.after(0.0);
+                friction[contact].static_ -= static_ * wave.after(0.0);
             }
         }
         let mut integrator = EventDriven::recording(&model)?;
@@ -133,7 +131,7 @@ impl Flow {
             integrator,
             force,
             surface,
-            friction: inputs.friction,
+            friction,
             waves,
             step,
             units: Vec::new(),
@@ -232,6 +230,10 @@ impl Flow {
                 inputs.slider_velocity[contact] += end;
                 inputs.slider_acceleration[contact] += (end - start) / h;
             }
+            for &(contact, [kinetic, static_]) in &wave.friction {
+                inputs.friction[contact].kinetic += kinetic * start;
+                inputs.friction[contact].static_ += static_ * start;
+            }
         }
         inputs
     }
@@ -272,38 +274,38 @@ impl Flow {
         Ok((motion, instants(records, ONE_INSTANT * self.step)))
     }
 
-    /// The linear equation in these contact states.
+    /// The equation in these contact states, near a state where sines drive friction in slip.
     ///
     /// # Errors
     /// Returns the contact whose forces were not found.
-    pub fn field(&mut self, states: &[ContactState]) -> Result<Rc<Field>, StepFailure> {
+    pub fn field(
+        &mut self,
+        states: &[ContactState],
+        y: &DVector<f64>,
+    ) -> Result<Rc<Field>, StepFailure> {
+        if !self.friction_changes(states, y).is_empty() {
+            return Ok(Rc::new(self.make_field(states, y)?));
+        }
         if let Some(known) = self.fields.get(states) {
             return Ok(Rc::clone(known));
         }
-        let field = Rc::new(self.make_field(states)?);
+        let field = Rc::new(self.make_field(states, y)?);
         self.fields.insert(states.to_vec(), Rc::clone(&field));
         Ok(field)
     }
 }
 
-/// Refuses a scene that is not in event-driven motion, or in which a sine drives a friction coefficient.
+/// Refuses a scene that is not in event-driven motion.
 ///
 /// # Errors
-/// Returns an error that says what would be right, or names the signal.
+/// Returns an error that says what would be right.
 pub fn check_method(scene: &Scene) -> Result<(), Error> {
-    if scene.method != Method::EventDriven {
-        return Err(Error::scene(
-            "periodic motions are followed in event-driven motion only; use --integrator event-driven",
-        ));
+    if scene.method == Method::EventDriven {
+        return Ok(());
     }
-    let is_sine = |shape: &Shape| matches!(shape, Shape::Sine(_));
-    match scene.signals.iter().find(|signal| signal.drives_friction() && is_sine(&signal.shape)) {
-        None => Ok(()),
-        Some(signal) => Err(Error::scene(format!(
-            "a sine drives {}: periodic motions under a friction coefficient that changes are not followed",
-            signal.input
-        ))),
-    }
+    Err(Error::scene(
+        "periodic motions are followed in event-driven motion only; use --integrator event-driven",
+    ))
 }
 
 /// Refuses signals after which the drive is neither constant nor a sum of sines.

@@ -252,10 +252,9 @@ impl Continued<'_> {
         let mut least = (SMALL, None);
         for (segment, linear) in node.chain.segments.iter().zip(&linear) {
             // The function of the event, by how much it changes within the segment.
-            let field = flow.field(&segment.states).ok()?;
-            let parts = flow.powers(&field, &segment.start, segment.duration);
-            let size =
-                parts.map(|(powers, _)| linear.row.dot(&powers[0]).abs()).fold(0.0, f64::max);
+            let parts = flow.powers(&segment.states, &segment.start, segment.duration).ok()?;
+            let values = parts.iter().map(|(powers, _)| linear.row.dot(&powers[0]).abs());
+            let size = values.fold(0.0, f64::max);
             let steepness = (linear.slope * segment.duration).abs() / size.max(f64::MIN_POSITIVE);
             let measure = steepness.min(segment.duration / period);
             if measure < least.0 {

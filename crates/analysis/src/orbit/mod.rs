@@ -4,7 +4,8 @@
 //! | --- | --- |
 //! | `matrix` | products and exponentials of small dense matrices |
 //! | `flow` | the flow of a scene: states, inputs, runs with their events |
-//! | `equations` | the linear equation of each set of contact states, the functions and maps of events |
+//! | `field` | the linear equation of one set of contact states, and its motions as power series |
+//! | `equations` | the equations of all sets of contact states, the functions and maps of events |
 //! | `chain` | a periodic motion as a chain of segments; Newton's method on it |
 //! | `check` | the chain held against the event-driven integrator, segment by segment |
 //! | `multipliers` | monodromy matrix, rank, multipliers |
@@ -26,6 +27,7 @@ mod corrector;
 mod energy;
 mod equations;
 mod extremes;
+mod field;
 mod flow;
 mod follow;
 mod matrix;
@@ -35,7 +37,8 @@ mod search;
 pub use branch::{Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint};
 pub use chain::{Chain, Linear, Segment, Unsolved};
 pub use energy::OrbitEnergy;
-pub use flow::{Field, Flow, Instant, Stage, check_method};
+pub use field::Field;
+pub use flow::{Flow, Instant, Stage, check_method};
 pub use follow::branch;
 pub use multipliers::{Multipliers, multipliers};
 pub use search::{NoOrbit, Start, search};

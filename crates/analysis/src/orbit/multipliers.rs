@@ -5,14 +5,13 @@
 //! the matrix has the rank of the segment in which most are held, and as many multipliers are exactly zero as are held
 //! there. The others are eigenvalues of the matrix in the space that this segment leaves.
 
-use super::chain::{Chain, Linear, Unsolved, is_tangential};
-use super::flow::{Field, Flow, Stage};
+use super::chain::{Chain, Linear, Segment, Unsolved, is_tangential};
+use super::flow::{Flow, Stage};
 use super::matrix::{null_space, product, times};
 use amontons::contact::ContactState;
 use amontons::integrator::Event;
 use amontons::stability::eigenvalues;
 use nalgebra::{Complex, DMatrix, DVector};
-use std::rc::Rc;
 
 /// Saltation matrices of several events at one instant that differ by less, in any order of the events, are the same.
 const SAME: f64 = 1e-7;
@@ -58,8 +57,8 @@ pub fn multipliers(chain: &Chain, flow: &mut Flow) -> Result<Option<Multipliers>
     // The monodromy matrix maps the rate of the motion to itself, so the others are those of the space across it.
     let mut along = None;
     if !flow.is_driven() {
-        let field = flow.field(&chain.segments[most].states)?;
-        let rate = Flow::rate(&field, &chain.segments[most].start);
+        let Segment { states, start, .. } = &chain.segments[most];
+        let rate = Flow::rate(&*flow.field(states, start)?, start);
         let rate = DVector::from_fn(motion, |i, _| rate[i] / units[i]);
         along = Some(rate.dot(&times(&scaled, &rate)) / rate.dot(&rate));
         rows.push(rate);
@@ -89,13 +88,14 @@ fn across(
         let terms = row.iter().zip(&linear.before).map(|(a, b)| (a * b).abs()).sum::<f64>();
         row.dot(&linear.before).abs() <= SAME * terms
     };
-    let field = flow.field(&segment.states)?;
+    let y = &linear.before;
+    let field = flow.field(&segment.states, y)?;
     let mut events: Vec<Cause> = Vec::new();
     for (place, stage) in segment.stages.iter().enumerate() {
         for &(contact, event) in &stage.events {
             // What a first event causes in turn is a part of it.
             let is_caused = place > 0
-                && !flow.event_row(&field, contact, event).is_some_and(|row| vanishes(&row));
+                && !flow.event_row(&field, y, contact, event).is_some_and(|row| vanishes(&row));
             if is_caused || events.iter().any(|known| known.contact == contact) {
                 continue;
             }
@@ -109,7 +109,7 @@ fn across(
             let has_one = events.iter().any(|known| known.contact == contact);
             let event = implied(*before, *after).filter(|_| !has_one);
             let Some(event) = event else { continue };
-            let Some(row) = flow.event_row(&field, contact, event) else { continue };
+            let Some(row) = flow.event_row(&field, y, contact, event) else { continue };
             if vanishes(&row) {
                 events.push(Cause { contact, event, impact: None });
             }
@@ -174,8 +174,8 @@ fn one_by_one(
     let mut whole = DMatrix::identity(flow.size(), flow.size());
     for Cause { contact, event, impact } in order {
         let (contact, event) = (*contact, *event);
-        let field: Rc<Field> = flow.field(&states)?;
-        let Some(row) = flow.event_row(&field, contact, event) else { return Ok(None) };
+        let field = flow.field(&states, &y)?;
+        let Some(row) = flow.event_row(&field, &y, contact, event) else { return Ok(None) };
         let rate = Flow::rate(&field, &y);
         let slope = row.dot(&rate);
         if is_tangential(&row, &rate, slope) {
@@ -196,9 +196,9 @@ fn one_by_one(
             impact
         });
         let stage = Stage { events: vec![(contact, event)], impact, states: then.clone() };
-        let reset = flow.reset(&states, &stage)?;
+        let reset = flow.reset(&states, &stage, &y)?;
         let next = times(&reset, &y);
-        let rate_after = Flow::rate(&*flow.field(&then)?, &next);
+        let rate_after = Flow::rate(&*flow.field(&then, &next)?, &next);
         let alone = Linear {
             flow: DMatrix::identity(0, 0),
             before: y,

@@ -1,6 +1,7 @@
 //! The analyses agree with closed forms, with the paper and with other methods.
 
 mod bistable;
+mod driven_friction;
 mod effects_of_contact;
 mod faint_parts;
 mod kinds_of_motion;

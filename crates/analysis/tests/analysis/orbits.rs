@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
 /// The orbit near the motion of a simulation now, with its chain of segments.
-fn solved(
+pub fn solved(
     simulation: &mut Simulation,
     period: Option<f64>,
     longest: f64,
@@ -26,7 +26,7 @@ fn solved(
     Ok((orbit, chain, flow))
 }
 
-fn orbit(simulation: &mut Simulation, period: Option<f64>, longest: f64) -> Orbit {
+pub fn orbit(simulation: &mut Simulation, period: Option<f64>, longest: f64) -> Orbit {
     solved(simulation, period, longest).unwrap().0
 }
 
@@ -40,7 +40,7 @@ fn scene(name: &str, step: f64, values: &[(&str, f64)]) -> Scene {
     scene
 }
 
-fn after(scene: Scene, time: f64) -> Simulation {
+pub fn after(scene: Scene, time: f64) -> Simulation {
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
     simulation.advance_to(time).unwrap();
     simulation
@@ -63,7 +63,7 @@ fn follow(scene: &Scene, name: &str, range: [f64; 2], chain: &Chain) -> Branch {
     branch(&continued, chain, here).unwrap().unwrap()
 }
 
-fn near(found: f64, wanted: f64, part: f64) {
+pub fn near(found: f64, wanted: f64, part: f64) {
     assert!((found - wanted).abs() <= part * wanted.abs(), "{found} is not {wanted}");
 }
 
@@ -226,17 +226,19 @@ fn a_forced_mass_grazes_a_stop_on_the_curve_of_its_linear_response() {
 /// Central differences of runs of the event-driven integrator over a period, in the directions that contacts leave free
 /// at the start; the start is in the middle of a segment.
 fn by_differences(flow: &mut Flow, chain: &Chain, free: &[usize]) -> Vec<(f64, f64)> {
-    let longest = chain.segments.iter().max_by(|a, b| a.duration.total_cmp(&b.duration)).unwrap();
+    let segments = chain.segments.iter().enumerate();
+    let (place, longest) = segments.max_by(|a, b| a.1.duration.total_cmp(&b.1.duration)).unwrap();
     let states = longest.states.clone();
-    let field = flow.field(&states).unwrap();
-    let middle = flow.propagate(&field, &longest.start, 0.5 * longest.duration);
+    let middle = flow.propagate(&states, &longest.start, 0.5 * longest.duration).unwrap();
+    let before: f64 = chain.segments[..place].iter().map(|segment| segment.duration).sum();
+    let time = flow.time_of(chain.turn) + before + 0.5 * longest.duration;
     let (dofs, period) = (flow.dofs(), chain.period());
     let scales = chain.scales;
     let mut run = |place: usize, off: f64| -> Motion {
         let mut y = middle.clone();
         y[place] += off;
         let motion = flow.motion(&y, &states);
-        flow.run(&motion, 0.0, period, |_| true).unwrap().0
+        flow.run(&motion, time, period, |_| true).unwrap().0
     };
     let unit = |place: usize| scales[usize::from(place >= dofs)];
     let value = |motion: &Motion, place: usize| {
@@ -257,6 +259,25 @@ fn by_differences(flow: &mut Flow, chain: &Chain, free: &[usize]) -> Vec<(f64, f
     values
 }
 
+/// Holds the multipliers of an orbit, and that along it, against central differences in these places of the state.
+pub fn has_multipliers_of_differences(
+    orbit: &Orbit,
+    chain: &Chain,
+    flow: &mut Flow,
+    free: &[usize],
+) {
+    let mut differences = by_differences(flow, chain, free);
+    let mut wanted: Vec<[f64; 2]> = orbit.multipliers.clone();
+    wanted.extend(orbit.along.map(|along| [along, 0.0]));
+    for [re, im] in wanted {
+        let off = |found: &&(f64, f64)| (found.0 - re).hypot(found.1 - im);
+        let nearest = differences.iter().min_by(|a, b| off(a).total_cmp(&off(b))).copied().unwrap();
+        assert!(off(&&nearest) < 1e-5, "{re} {im}: {differences:?}");
+        differences.retain(|value| *value != nearest);
+    }
+    assert!(differences.iter().all(|value| value.0.hypot(value.1) < 1e-5), "{differences:?}");
+}
+
 /// Set 1 at v = 0.3 m/s slides, lifts off and lands; its contacts are never closed both.
 #[test]
 fn multipliers_of_lift_off_and_landing_are_those_of_differences() {
@@ -268,17 +289,8 @@ fn multipliers_of_lift_off_and_landing_are_those_of_differences() {
         .map(|contact| 4 * contact + 3)
         .collect();
     let free: Vec<usize> = (0..16).filter(|place| !closed.contains(&(place % 8))).collect();
-    let mut differences = by_differences(&mut flow, &chain, &free);
     assert!(orbit.along.is_some_and(|along| (along - 1.0).abs() < 1e-9), "{:?}", orbit.along);
-    let mut wanted: Vec<[f64; 2]> = orbit.multipliers.clone();
-    wanted.push([orbit.along.unwrap(), 0.0]);
-    for [re, im] in wanted {
-        let off = |found: &&(f64, f64)| (found.0 - re).hypot(found.1 - im);
-        let nearest = differences.iter().min_by(|a, b| off(a).total_cmp(&off(b))).copied().unwrap();
-        assert!(off(&&nearest) < 1e-5, "{re} {im}: {differences:?}");
-        differences.retain(|value| *value != nearest);
-    }
-    assert!(differences.iter().all(|value| value.0.hypot(value.1) < 1e-5), "{differences:?}");
+    has_multipliers_of_differences(&orbit, &chain, &mut flow, &free);
 }
 
 /// Amplitude of the first displacement, m, and period, s, of a run over its next four periods of about this length.

@@ -1,0 +1,135 @@
+//! Periodic motions under friction coefficients that sines drive agree with closed forms and with differences of runs.
+
+use crate::orbits::{after, has_multipliers_of_differences, near, orbit, solved};
+use amontons::contact::ContactState;
+use amontons::integrator::Event;
+use amontons::scene::{Scene, parse};
+use amontons_analysis::orbit::Flow;
+use nalgebra::DVector;
+use std::f64::consts::TAU;
+
+/// A block of 1 kg on a belt (velocity, m/s), pressed on by 10 N, on a spring of 100 N/m and a damper of 0.5 N s/m.
+fn block(velocity: f64, rest: &str) -> Scene {
+    let text = format!(
+        "[slider]\nvelocity = {velocity:?}\nangle = 0.0\n\
+         [[mass]]\nname = \"block\"\nmass = 1.0\nforce = [0.0, -10.0]\n\
+         [[spring]]\nname = \"k\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\nstiffness = 100.0\n\
+         [[damper]]\nname = \"d\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\ndamping = 0.5\n\
+         [[contact]]\nname = \"c\"\nmass = \"block\"\n\
+         [integrator]\nmethod = \"event-driven\"\nstep = 0.02\n{rest}"
+    );
+    parse("block", &text).unwrap()
+}
+
+fn sine(input: &str, amplitude: f64, frequency: f64) -> String {
+    format!(
+        "[[signal]]\ninput = \"{input}\"\nsine = {{ amplitude = {amplitude:?}, frequency = {frequency:?} }}\n"
+    )
+}
+
+/// The built-in disc brake with one lining aslant: the disc cannot follow its tangent, so that friction forces change normal
+/// forces at once. Sines drive the friction coefficient and the velocity of one lining.
+fn aslant_brake() -> Scene {
+    let text = std::fs::read_to_string("../../scenes/disc_brake.toml").unwrap();
+    let text = text.replace("angle = 0.0 ", "angle = 0.3 ").replace("0.05 ", "5.0 ");
+    let text = text.replace("step = 1.0e-6", "method = \"event-driven\"\nstep = 2e-5");
+    let drives = [
+        sine("friction.coefficient", 0.3, 700.0),
+        sine("contact.lower_lining.velocity", 0.01, 300.0),
+    ];
+    parse("aslant", &format!("{text}\n{}", drives.concat())).unwrap()
+}
+
+/// While the block slides, its friction is the force (µ + a sin ω t) N.
+#[test]
+fn a_sine_on_friction_moves_a_sliding_block_as_a_force_does() {
+    let frequency = 1.25;
+    let friction = "[friction]\ncoefficient = 0.3\n";
+    let scene = block(3.0, &format!("{friction}{}", sine("friction.coefficient", 0.2, frequency)));
+    let orbit = orbit(&mut after(scene, 40.0), Some(1.0 / frequency), 1.0);
+    let omega = TAU * frequency;
+    let response = 0.2 * 10.0 / (100.0 - omega * omega).hypot(0.5 * omega);
+    near(orbit.extents[0], response, 1e-12);
+    near(orbit.largest_multiplier(), (-0.25 / frequency).exp(), 1e-13);
+    assert!(orbit.events.is_empty());
+}
+
+/// The derivative of the flow by all places of the state, those of the sines too, where the normal forces depend on the
+/// state and on friction at once; and the flow itself against the integrator.
+#[test]
+fn the_derivative_of_the_flow_under_driven_friction_is_that_of_differences() {
+    let scene = aslant_brake();
+    let mut simulation = after(scene, 2.03e-3);
+    let states = simulation.motion().contacts.clone();
+    assert_eq!(states, [ContactState::Slide, ContactState::ReverseSlide]);
+    let mut flow = Flow::of(&mut simulation).unwrap();
+    let start = flow.state(simulation.motion(), 0.0);
+    let time = 3e-4;
+    let (motion, instants) = flow.run(&simulation.motion().clone(), 0.0, time, |_| true).unwrap();
+    assert!(instants.iter().all(|instant| !instant.is_change()), "{instants:?}");
+    let end = flow.propagate(&states, &start, time).unwrap();
+    let by_run = flow.state(&motion, time);
+    let units = flow.units().to_vec();
+    let scaled = |y: &DVector<f64>| DVector::from_fn(y.len(), |i, _| y[i] / units[i]);
+    let size = scaled(&by_run).amax();
+    assert!(scaled(&(&end - &by_run)).amax() < 1e-13 * size, "{end} {by_run}");
+    let matrix = flow.propagator(&states, &start, time).unwrap();
+    assert!(scaled(&(&matrix * &start - &end)).amax() < 1e-13 * size);
+    let one = 2 * flow.dofs();
+    for place in (0..flow.size()).filter(|place| *place != one) {
+        let off = 1e-4 * units[place];
+        let [low, high] = [-off, off].map(|off| {
+            let mut start = start.clone();
+            start[place] += off;
+            flow.propagate(&states, &start, time).unwrap()
+        });
+        let by_differences = scaled(&((high - low) / (2.0 * off))) * units[place];
+        let column = scaled(&matrix.column(place).into_owned()) * units[place];
+        let apart = (&by_differences - &column).amax();
+        assert!(apart < 1e-8 * column.amax().max(1e-3), "{place}: {by_differences} {column}");
+    }
+}
+
+/// A force moves the block to and fro on resting ground; it sticks at both ends, and lets go at the limit µ_s(t) N.
+#[test]
+fn a_block_that_sticks_at_a_limit_that_sines_move_has_multipliers_of_differences() {
+    let drives = [
+        sine("mass.block.fx", 12.0, 0.7),
+        sine("friction.coefficient", 0.1, 1.4),
+        sine("friction.static", 0.15, 0.7),
+    ];
+    let friction = "[friction]\ncoefficient = 0.3\nstatic = 0.6\n";
+    let scene = block(0.0, &format!("{friction}{}", drives.concat()));
+    let period = 1.0 / 0.7;
+    let (orbit, chain, mut flow) =
+        solved(&mut after(scene, 40.0 * period), Some(period), 1.0).unwrap();
+    let has = |wanted: fn(&Event) -> bool| {
+        orbit.events.iter().flat_map(|event| &event.events).any(|(_, event)| wanted(event))
+    };
+    assert!(has(|event| *event == Event::Stop) && has(|event| matches!(event, Event::Slip(_))));
+    has_multipliers_of_differences(&orbit, &chain, &mut flow, &[0, 2]);
+}
+
+/// A force lifts the block off, and it lands with another friction coefficient. A strut aslant joins both directions, so
+/// that the instants of lift-off and landing depend on all of the motion.
+#[test]
+fn landings_with_friction_that_a_sine_drives_have_multipliers_of_differences() {
+    let frequency = 2.0;
+    let drives = [
+        sine("mass.block.fy", 14.0, frequency),
+        sine("friction.coefficient", 0.2, 2.0 * frequency),
+    ];
+    let rest = "[friction]\ncoefficient = 0.4\n[[spring]]\nname = \"strut\"\n\
+        between = [\"block\", \"ground\"]\ndirection = 0.8\nstiffness = 40.0\n";
+    let scene = block(2.0, &format!("{rest}{}", drives.concat()));
+    let mut simulation = after(scene, 40.0);
+    let (orbit, chain, mut flow) = solved(&mut simulation, Some(1.0 / frequency), 1.0).unwrap();
+    assert!(
+        orbit
+            .events
+            .iter()
+            .flat_map(|event| &event.events)
+            .any(|(_, event)| *event == Event::Touch)
+    );
+    has_multipliers_of_differences(&orbit, &chain, &mut flow, &[0, 2]);
+}
