@@ -18,6 +18,8 @@ const APART: f64 = 1e-6;
 const FOUND: f64 = 1e-11;
 /// Corrections this small that no longer fall are rounding.
 const ROUNDING: f64 = 1e-8;
+/// A parameter that changes by less in a direction of length 1 neither rises nor falls.
+const LEVEL: f64 = 1e-6;
 /// Values of the parameter farther beyond its range, in parts of it, are not tried.
 const BEYOND_RANGE: f64 = 0.05;
 
@@ -30,6 +32,9 @@ pub(super) struct Node {
     /// The direction of the branch, of length 1: first state, in units of the motion's size, and parameter, in units of
     /// its range.
     pub(super) tangent: (DVector<f64>, f64),
+    /// 1 where the parameter rises in this direction, −1 where it falls; that of the point before where it does neither but
+    /// for rounding, as where a motion meets an event tangentially.
+    pub(super) sense: f64,
     /// The change of everything along it.
     pub(super) change: Change,
 }
@@ -95,13 +100,13 @@ impl Continued<'_> {
         Ok(Residuals { defects: defects.collect(), values: values.collect() })
     }
 
-    /// A solved chain as a point, with its direction: that of `before`, or the one in which the parameter has this
+    /// A solved chain as a point, with its direction: that of the point `before`, or the one in which the parameter has this
     /// sign. Its motion is confirmed beforehand.
     pub(super) fn node(
         &self,
         mut chain: Chain,
         parameter: f64,
-        before: Option<&(DVector<f64>, f64)>,
+        before: Option<&Node>,
         sign: f64,
     ) -> Result<Node, Missed> {
         let mut flow = (self.flow_at)(parameter)?;
@@ -114,7 +119,8 @@ impl Continued<'_> {
         let (closure, _, right) = condensed.closure(dofs, chain.scales);
         let motion = right.len();
         let plain = (DVector::zeros(motion), 1.0);
-        let along = before.filter(|(state, _)| state.len() == motion).unwrap_or(&plain);
+        let along = before.map(|node| &node.tangent);
+        let along = along.filter(|(state, _)| state.len() == motion).unwrap_or(&plain);
         let bordered = bordered(&closure, &right, along);
         let mut unit = DVector::zeros(motion + 1);
         unit[motion] = 1.0;
@@ -125,6 +131,8 @@ impl Continued<'_> {
             direction = -direction;
         }
         let tangent = (direction.rows(0, motion).into_owned(), direction[motion]);
+        let is_level = tangent.1.abs() < LEVEL;
+        let sense = before.filter(|_| is_level).map_or(tangent.1.signum(), |node| node.sense);
         let first = in_units(&tangent.0, dofs, chain.scales);
         let change = condensed.direction(&first, tangent.1).ok_or(Missed::Unsolved(None))?;
         if flow.is_driven() && !flow.returns_after(chain.period()) {
@@ -137,7 +145,7 @@ impl Continued<'_> {
         };
         let orbit =
             orbit(&chain, &mut flow, [defect, closure]).map_err(|_| Missed::Unsolved(None))?;
-        Ok(Node { chain, parameter, orbit, tangent, change })
+        Ok(Node { chain, parameter, orbit, tangent, sense, change })
     }
 
     /// The chain at this distance along the branch from a point.

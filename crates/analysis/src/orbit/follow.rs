@@ -124,13 +124,11 @@ impl Continued<'_> {
                     step *= 0.5;
                     continue;
                 }
-                Ok((chain, parameter)) => {
-                    match self.node(chain, parameter, Some(&node.tangent), 1.0) {
-                        Ok(next) => Some(next),
-                        Err(Missed::Error(error)) => return Err(error),
-                        Err(Missed::Unsolved(_)) => None,
-                    }
-                }
+                Ok((chain, parameter)) => match self.node(chain, parameter, Some(&node), 1.0) {
+                    Ok(next) => Some(next),
+                    Err(Missed::Error(error)) => return Err(error),
+                    Err(Missed::Unsolved(_)) => None,
+                },
                 Err(_) => None,
             };
             if let Some(next) = next {
@@ -205,7 +203,7 @@ impl Continued<'_> {
         {
             return Ok(None);
         }
-        match self.node(chain, end, Some(&node.tangent), 1.0) {
+        match self.node(chain, end, Some(node), 1.0) {
             Ok(node) => Ok(Some(node)),
             Err(Missed::Error(error)) => Err(error),
             Err(Missed::Unsolved(_)) => Ok(None),
@@ -228,13 +226,11 @@ impl Continued<'_> {
                 break;
             }
             match self.confirmed(&last, ahead)? {
-                Ok((chain, parameter)) => {
-                    match self.node(chain, parameter, Some(&last.tangent), 1.0) {
-                        Ok(next) => last = next,
-                        Err(Missed::Error(error)) => return Err(error),
-                        Err(Missed::Unsolved(_)) => {}
-                    }
-                }
+                Ok((chain, parameter)) => match self.node(chain, parameter, Some(&last), 1.0) {
+                    Ok(next) => last = next,
+                    Err(Missed::Error(error)) => return Err(error),
+                    Err(Missed::Unsolved(_)) => {}
+                },
                 Err(found) => event = found.or(event),
             }
         }
@@ -269,7 +265,7 @@ impl Continued<'_> {
     #[allow(clippy::type_complexity)]
     fn beyond(&self, last: &Node) -> Result<Result<(Node, bool), bool>, Error> {
         let mut is_linear = false;
-        let onward = if last.tangent.1 < 0.0 { -1.0 } else { 1.0 };
+        let onward = last.sense;
         for (turned, sign) in [(false, onward), (true, -onward)] {
             for part in BEYOND {
                 let parameter = last.parameter + sign * part * self.width();
@@ -331,10 +327,9 @@ impl Continued<'_> {
         specials: &mut Vec<SpecialPoint>,
     ) -> Result<(), Error> {
         let distance = self.distance(from, to);
-        let turns = from.tangent.1 * to.tangent.1 < 0.0;
+        let turns = from.sense != to.sense;
         if turns {
-            let sign = from.tangent.1;
-            let is_before = |node: &Node| node.tangent.1 * sign > 0.0;
+            let is_before = |node: &Node| node.tangent.1 * from.sense > 0.0;
             if let Some(node) = self.bisect(from, distance, &is_before)? {
                 specials.push(special(&node, SpecialKind::Fold, place));
             }
@@ -385,7 +380,7 @@ impl Continued<'_> {
             }
             let middle = f64::midpoint(low, high);
             let node = match self.correct(from, middle) {
-                Ok((chain, parameter)) => self.node(chain, parameter, Some(&from.tangent), 1.0),
+                Ok((chain, parameter)) => self.node(chain, parameter, Some(from), 1.0),
                 Err(missed) => Err(missed),
             };
             match node {

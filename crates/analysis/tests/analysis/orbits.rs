@@ -395,6 +395,27 @@ fn the_motion_of_set_1_changes_its_events_at_two_velocities_and_slides_beyond() 
     }));
 }
 
+/// At 0.2082 m/s a contact stops tangentially: the parameter neither rises nor falls along the branch there. Its rounding once
+/// made a fold of that place, behind which the branch was followed back to where it came from.
+#[test]
+fn a_branch_goes_on_behind_a_tangential_event_in_the_same_sense() {
+    let values = [("friction.coefficient", 1.5), ("slider.velocity", 0.19)];
+    let scene = scene("set1", 2e-4, &values);
+    let (_, chain, _) = solved(&mut after(scene.clone(), 4.0), None, 0.2).unwrap();
+    for k in 12..18 {
+        let range = [0.15 - 0.001 * f64::from(k), 0.22];
+        let branch = follow(&scene, "slider.velocity", range, &chain);
+        let kinds: Vec<_> = branch.specials.iter().map(|special| special.kind).collect();
+        assert!(
+            kinds.iter().all(|kind| matches!(kind, SpecialKind::Sequence(_))),
+            "{range:?}: {kinds:?}"
+        );
+        assert_eq!(branch.ends, [BranchEnd::Range; 2]);
+        assert_eq!(branch.points.last().unwrap().parameter, 0.22);
+        near(branch.specials.last().unwrap().parameter, 0.208_220_810_715, 1e-11);
+    }
+}
+
 #[test]
 fn what_is_no_orbit_is_named() {
     // A free oscillation has periodic motions of every size beside it.
