@@ -18,13 +18,6 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// `true` if the signal drives a friction coefficient.
-    #[must_use]
-    pub fn drives_friction(&self) -> bool {
-        let last = self.input.rsplit('.').next().unwrap_or_default();
-        self.input.starts_with("friction.") || matches!(last, "friction" | "static_friction")
-    }
-
     /// Frequency of a sine, Hz; `None` for other shapes.
     #[must_use]
     pub const fn frequency(&self) -> Option<f64> {

@@ -254,6 +254,12 @@ impl Instance {
                 self.warn(&shortfall);
             }
         }
+        if let Some(velocity) = self.standing_slider()? {
+            self.warn(&format!(
+                "initialized with {velocity} = 0: equilibrium without friction; an equilibrium in sliding needs the \
+                 velocity before initialization ends"
+            ));
+        }
         if self.logger.wants(Category::Events) {
             let equilibrium = self.start()?.reference().clone();
             let forces: Vec<String> =
@@ -266,6 +272,23 @@ impl Instance {
             self.inform(&format!("initialized at the equilibrium{contacts}"));
         }
         Ok(())
+    }
+
+    /// The name of a slider velocity that the importer has set to zero, where the scene's contacts slide and rub: most
+    /// likely an input that is linked to another FMU and does not have its value yet.
+    fn standing_slider(&mut self) -> Result<Option<String>, Error> {
+        let stands = |variable: &&Variable| {
+            let quantity = variable.template.quantity;
+            matches!(quantity, Quantity::SliderVelocity | Quantity::OwnVelocity)
+                && self.parameters.get(variable) == Some(0.0)
+                && self.original.get(variable) != Some(0.0)
+        };
+        let Some(velocity) = self.variables.iter().find(stands).map(|v| v.name.to_string()) else {
+            return Ok(None);
+        };
+        let model = self.start()?.model();
+        let rubs = model.contacts.iter().any(|contact| contact.friction.kinetic != 0.0);
+        Ok(rubs.then_some(velocity))
     }
 
     pub(super) fn terminate(&mut self) {

@@ -84,7 +84,7 @@ impl From<StepFailure> for Unsolved {
 
 /// The linear parts of one segment.
 pub struct Linear {
-    /// exp(A τ), or the derivative of the motion ([`Flow::propagator`]).
+    /// exp(A τ), or the fundamental matrix ([`Flow::propagator`]).
     pub flow: DMatrix<f64>,
     /// The state y⁻ before the instant that ends the segment.
     pub before: DVector<f64>,
@@ -228,11 +228,11 @@ impl Chain {
         let dofs = flow.dofs();
         let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; 2 * dofs];
         for segment in &self.segments {
-            for (powers, _) in flow.powers(&segment.states, &segment.start, segment.duration)? {
-                for (range, value) in ranges.iter_mut().zip(&powers[0]) {
+            flow.each_part(&segment.states, &segment.start, segment.duration, |part| {
+                for (range, value) in ranges.iter_mut().zip(&part.powers[0]) {
                     *range = [range[0].min(*value), range[1].max(*value)];
                 }
-            }
+            })?;
         }
         let largest = |ranges: &[[f64; 2]]| {
             ranges.iter().map(|[least, most]| most - least).fold(f64::MIN_POSITIVE, f64::max)
@@ -553,8 +553,8 @@ impl<'a> Condensed<'a> {
             let flown = linear.row.dot(&times(&linear.flow, &states[k])) / linear.slope;
             own * self.misses[k] + parameter * self.misses_by_parameter[k] - flown
         };
-        let delays = (0..self.linear.len()).map(delay).collect();
-        let is_finite = states.iter().all(|change| change.iter().all(|value| value.is_finite()));
+        let delays: Vec<f64> = (0..self.linear.len()).map(delay).collect();
+        let is_finite = states.iter().flatten().chain(&delays).all(|value| value.is_finite());
         is_finite.then_some(Change { states, delays })
     }
 }

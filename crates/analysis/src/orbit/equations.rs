@@ -1,7 +1,7 @@
 //! The linear equations of a [`Flow`]: the matrix of each set of contact states, the functions whose zeros are events,
 //! and the maps across them.
 
-use super::field::{Field, Rubbing};
+use super::field::{DrivenSlip, Field};
 use super::flow::{Flow, Stage};
 use super::matrix::{product, times};
 use amontons::contact::ContactState;
@@ -29,8 +29,15 @@ impl Flow {
 
     /// µ_k or µ_s (`part` 0 or 1) of a contact at a state, which depends on the places of time alone.
     fn friction_at(&self, contact: usize, part: usize, y: &DVector<f64>) -> f64 {
-        let times = 2 * self.dofs()..;
-        self.friction_row(contact, part).rows_range(times.clone()).dot(&y.rows_range(times))
+        let friction = self.friction[contact];
+        let first = 2 * self.dofs() + 1;
+        let mut value = [friction.kinetic, friction.static_][part];
+        for (j, wave) in self.waves.iter().enumerate() {
+            for (_, parts) in wave.friction.iter().filter(|driven| driven.0 == contact) {
+                value += wave.amplitude * parts[part] * y[first + 2 * j];
+            }
+        }
+        value
     }
 
     /// T/N of each contact that slides at this state, 0 of others.
@@ -64,7 +71,7 @@ impl Flow {
         states.iter().enumerate().filter_map(change).collect()
     }
 
-    /// The equation in these states near a state, of which only the places of time count.
+    /// The equation in these states, linearised at the state `y`.
     pub(super) fn make_field(
         &mut self,
         states: &[ContactState],
@@ -75,7 +82,8 @@ impl Flow {
         let mut field = Field {
             matrix: DMatrix::zeros(size, size),
             forces: vec![[DVector::zeros(size), DVector::zeros(size)]; contacts],
-            rubbing: Vec::new(),
+            driven_slips: Vec::new(),
+            parts_per_second: 0.0,
         };
         let mut response = ConstrainedResponse::new(contacts, n);
         for column in 0..size {
@@ -121,10 +129,10 @@ impl Flow {
         }
         for (contact, change) in self.friction_changes(states, y) {
             let held = HeldStates { states, slopes: &slopes };
-            let push = self.pushed_along(contact, held, &mut response)?;
+            let rate = self.rate_by_tangential_force(contact, held, &mut response)?;
             let mut forces = response.forces.clone();
             forces[contact][1] += 1.0;
-            field.rubbing.push(Rubbing { contact, change, push, forces });
+            field.driven_slips.push(DrivenSlip { contact, change, rate, forces });
         }
         // What a contact holds by itself is held exactly.
         for (i, state) in states.iter().enumerate() {
@@ -135,8 +143,8 @@ impl Flow {
             if let Some(dof) = contact.normal.as_unit() {
                 field.matrix.row_mut(dof).fill(0.0);
                 field.matrix.row_mut(n + dof).fill(0.0);
-                for rubbing in &mut field.rubbing {
-                    rubbing.push[n + dof] = 0.0;
+                for slip in &mut field.driven_slips {
+                    slip.rate[n + dof] = 0.0;
                 }
             }
             if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
@@ -147,17 +155,18 @@ impl Flow {
                             wave.amplitude * wave.pulsation;
                     }
                 }
-                for rubbing in &mut field.rubbing {
-                    rubbing.push[n + dof] = 0.0;
+                for slip in &mut field.driven_slips {
+                    slip.rate[n + dof] = 0.0;
                 }
             }
         }
-        field.rub(y);
+        field.parts_per_second = self.parts_per_second(&field);
+        field.linearise_at(y);
         Ok(field)
     }
 
-    /// The accelerations that a force of 1 N along the tangent of a contact causes, among the places of a state's rate.
-    fn pushed_along(
+    /// The rate of the state that a force of 1 N along the tangent of a contact causes.
+    fn rate_by_tangential_force(
         &mut self,
         contact: usize,
         held: HeldStates<'_>,
@@ -169,9 +178,9 @@ impl Flow {
         let still = vec![0.0; held.states.len()];
         let load = AppliedLoad { force: &force, slider_acceleration: &still };
         self.integrator.respond(held, load, response)?;
-        let mut push = DVector::zeros(self.size());
-        push.rows_mut(n, n).copy_from_slice(&response.acceleration);
-        Ok(push)
+        let mut rate = DVector::zeros(self.size());
+        rate.rows_mut(n, n).copy_from_slice(&response.acceleration);
+        Ok(rate)
     }
 
     /// The units of a state's places.
@@ -364,8 +373,8 @@ impl Flow {
         self.integrator.respond(held, load, &mut response)?;
         let impulses = response.forces.clone();
         for (contact, change) in changes {
-            let push = self.pushed_along(contact, held, &mut response)?;
-            map.ger(impulses[contact][0], &push, &change, 1.0);
+            let jump = self.rate_by_tangential_force(contact, held, &mut response)?;
+            map.ger(impulses[contact][0], &jump, &change, 1.0);
         }
         Ok(map)
     }
@@ -440,7 +449,7 @@ impl Flow {
         row
     }
 
-    /// The rate of a state, ẏ = A y.
+    /// The rate of the state of a field, ẏ = A y.
     #[must_use]
     pub fn rate(field: &Field, y: &DVector<f64>) -> DVector<f64> {
         times(&field.matrix, y)

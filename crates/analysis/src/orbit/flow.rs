@@ -3,7 +3,8 @@
 //! The state is y = (x, ẋ, 1, sin θ_1, cos θ_1, …): displacements (m) and velocities (m/s) of all degrees of freedom,
 //! the number 1, and sine and cosine of the phase θ_j = θ_j0 + ω_j t of each sine signal. In given contact states
 //! ẏ = A y with a constant matrix A, the contact forces are linear in y, and so is every function whose zero is an
-//! event. Where sines drive friction coefficients, all these are so near a state ([`Field`]).
+//! event. Where sines drive friction coefficients of contacts that slip, A depends on time: a [`Field`] then has the
+//! linearisations of all these at a state.
 
 use super::field::Field;
 use amontons::Error;

@@ -247,10 +247,12 @@ impl Continued<'_> {
         let period = node.chain.period();
         let mut least = (SMALL, None);
         for (segment, linear) in node.chain.segments.iter().zip(&linear) {
-            // The function of the event, by how much it changes within the segment.
-            let parts = flow.powers(&segment.states, &segment.start, segment.duration).ok()?;
-            let values = parts.iter().map(|(powers, _)| linear.row.dot(&powers[0]).abs());
-            let size = values.fold(0.0, f64::max);
+            // By how much the function of the event, linearised there, changes within the segment.
+            let mut size = 0.0_f64;
+            flow.each_part(&segment.states, &segment.start, segment.duration, |part| {
+                size = size.max(linear.row.dot(&part.powers[0]).abs());
+            })
+            .ok()?;
             let steepness = (linear.slope * segment.duration).abs() / size.max(f64::MIN_POSITIVE);
             let measure = steepness.min(segment.duration / period);
             if measure < least.0 {

@@ -4,8 +4,8 @@
 //! | --- | --- |
 //! | `matrix` | products and exponentials of small dense matrices |
 //! | `flow` | the flow of a scene: states, inputs, runs with their events |
-//! | `field` | the linear equation of one set of contact states, and its motions as power series |
-//! | `equations` | the equations of all sets of contact states, the functions and maps of events |
+//! | `equations` | the linear equation of each set of contact states, the functions and maps of events |
+//! | `field` | that equation linearised at a state, its motions as power series, and their fundamental matrices |
 //! | `chain` | a periodic motion as a chain of segments; Newton's method on it |
 //! | `check` | the chain held against the event-driven integrator, segment by segment |
 //! | `multipliers` | monodromy matrix, rank, multipliers |

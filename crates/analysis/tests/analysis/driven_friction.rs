@@ -1,10 +1,10 @@
 //! Periodic motions under friction coefficients that sines drive agree with closed forms and with differences of runs.
 
-use crate::orbits::{after, has_multipliers_of_differences, near, orbit, solved};
+use crate::orbits::{after, follow, has_multipliers_of_differences, near, orbit, solved};
 use amontons::contact::ContactState;
 use amontons::integrator::Event;
 use amontons::scene::{Scene, parse};
-use amontons_analysis::orbit::Flow;
+use amontons_analysis::orbit::{BranchEnd, Flow};
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
@@ -30,11 +30,19 @@ fn sine(input: &str, amplitude: f64, frequency: f64) -> String {
 /// The built-in disc brake with one lining aslant: the disc cannot follow its tangent, so that friction forces change normal
 /// forces at once. Sines drive the friction coefficient and the velocity of one lining.
 fn aslant_brake() -> Scene {
-    let text = std::fs::read_to_string("../../scenes/disc_brake.toml").unwrap();
-    let text = text.replace("angle = 0.0 ", "angle = 0.3 ").replace("0.05 ", "5.0 ");
-    let text = text.replace("step = 1.0e-6", "method = \"event-driven\"\nstep = 2e-5");
+    let mut text = std::fs::read_to_string("../../scenes/disc_brake.toml").unwrap();
+    for (old, new) in [
+        ("angle = 0.0 ", "friction = 0.5\nangle = 0.3 "),
+        ("velocity = 0.05 ", "velocity = 5.0 "),
+        ("velocity = -0.05 ", "velocity = -5.0 "),
+        ("step = 1.0e-6", "method = \"event-driven\"\nstep = 2e-5"),
+    ] {
+        assert!(text.contains(old), "{old}");
+        text = text.replace(old, new);
+    }
     let drives = [
         sine("friction.coefficient", 0.3, 700.0),
+        sine("contact.upper_lining.friction", 0.2, 900.0),
         sine("contact.lower_lining.velocity", 0.01, 300.0),
     ];
     parse("aslant", &format!("{text}\n{}", drives.concat())).unwrap()
@@ -74,7 +82,7 @@ fn the_derivative_of_the_flow_under_driven_friction_is_that_of_differences() {
     let size = scaled(&by_run).amax();
     assert!(scaled(&(&end - &by_run)).amax() < 1e-13 * size, "{end} {by_run}");
     let matrix = flow.propagator(&states, &start, time).unwrap();
-    assert!(scaled(&(&matrix * &start - &end)).amax() < 1e-13 * size);
+    assert!(scaled(&(&matrix * &start - &end)).amax() < 1e-13 * size, "{matrix}");
     let one = 2 * flow.dofs();
     for place in (0..flow.size()).filter(|place| *place != one) {
         let off = 1e-4 * units[place];
@@ -132,4 +140,50 @@ fn landings_with_friction_that_a_sine_drives_have_multipliers_of_differences() {
             .any(|(_, event)| *event == Event::Touch)
     );
     has_multipliers_of_differences(&orbit, &chain, &mut flow, &[0, 2]);
+}
+
+/// A sliding block answers in proportion to the amplitude.
+#[test]
+fn a_branch_over_the_amplitude_of_driven_friction_has_the_linear_response() {
+    let frequency = 1.25;
+    let friction = "[friction]\ncoefficient = 0.3\n";
+    let scene = block(3.0, &format!("{friction}{}", sine("friction.coefficient", 0.2, frequency)));
+    let period = 1.0 / frequency;
+    let (_, chain, _) = solved(&mut after(scene.clone(), 40.0), Some(period), 1.0).unwrap();
+    let branch = follow(&scene, "signal[1].amplitude", [0.01, 0.3], &chain);
+    assert_eq!(branch.ends, [BranchEnd::Range; 2]);
+    assert_eq!(branch.points[0].parameter, 0.01);
+    let omega = TAU * frequency;
+    for point in &branch.points {
+        let force = 10.0 * point.parameter;
+        let response = force / (100.0 - omega * omega).hypot(0.5 * omega);
+        let off = (point.orbit.extents[0] - response).abs();
+        assert!(off < 1e-13, "{} {off:e}", point.parameter);
+    }
+}
+
+/// From friction that nothing drives to friction that sines drive: both ends of the branch are the orbits of runs.
+#[test]
+fn a_branch_over_the_amplitude_of_driven_friction_joins_the_orbits_of_runs() {
+    let with = |amplitude: f64| {
+        let drives =
+            [sine("mass.block.fx", 12.0, 0.7), sine("friction.coefficient", amplitude, 1.4)];
+        block(0.0, &format!("[friction]\ncoefficient = 0.3\nstatic = 0.6\n{}", drives.concat()))
+    };
+    let period = 1.0 / 0.7;
+    let found = |amplitude: f64| {
+        let mut simulation = after(with(amplitude), 40.0 * period);
+        let (orbit, chain, _) = solved(&mut simulation, Some(period), 1.0).unwrap();
+        (orbit, chain)
+    };
+    let [first, last] = [0.0, 0.2].map(found);
+    let branch = follow(&with(0.0), "signal[2].amplitude", [0.0, 0.2], &first.1);
+    assert_eq!(branch.ends, [BranchEnd::Range; 2]);
+    for (point, (orbit, _)) in
+        [branch.points.first(), branch.points.last()].iter().zip([first, last])
+    {
+        let found = &point.unwrap().orbit;
+        near(found.extents[0], orbit.extents[0], 1e-10);
+        near(found.largest_multiplier(), orbit.largest_multiplier(), 1e-8);
+    }
 }

@@ -52,7 +52,7 @@ fn followed(scene: &Scene, name: &str, range: [f64; 2], simulation: &mut Simulat
     follow(scene, name, range, &chain)
 }
 
-fn follow(scene: &Scene, name: &str, range: [f64; 2], chain: &Chain) -> Branch {
+pub fn follow(scene: &Scene, name: &str, range: [f64; 2], chain: &Chain) -> Branch {
     let flow_at = |value: f64| {
         let mut scene = scene.clone();
         assign(&mut scene, name, value)?;

@@ -68,3 +68,27 @@ def test_the_first_step_that_needs_what_is_left_out_says_so(effect, instance, na
 @pytest.mark.parametrize("name", ["sticking", "detachment"])
 def test_the_whole_law_of_contact_warns_of_nothing(effect, instance, name):
     assert warned(instance(effect(name, f"{name} = false", ""), logging_on=True)) == []
+
+
+def warnings_of(one):
+    return [message.text for message in one.messages if message.category == "logStatusWarning"]
+
+
+def test_an_equilibrium_without_friction_at_a_slider_held_at_zero_is_said_once(instance):
+    # A container that couples FMUs sets linked inputs to 0 until their values come.
+    one = instance("set1", logging_on=True)
+    one.initialize({"slider.velocity": 0.0})
+    [text] = warnings_of(one)
+    assert text.startswith("initialized with slider.velocity = 0: equilibrium without friction")
+    assert one.DoStep(0.0, 1e-3) == fmi2OK
+    assert len(warnings_of(one)) == 1
+    for values in ({"slider.velocity": 1e-9}, {"slider.velocity": 0.0, "friction.coefficient": 0.0}):
+        other = instance("set1", logging_on=True)
+        other.initialize(values)
+        assert warnings_of(other) == []
+
+
+def test_a_scene_whose_slider_stands_by_itself_warns_of_nothing(instance):
+    one = instance("den_hartog", logging_on=True)
+    one.initialize()
+    assert warnings_of(one) == []
