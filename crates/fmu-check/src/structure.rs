@@ -1,7 +1,7 @@
 //! Rules on `ModelStructure`: the lists of outputs, derivatives and initial unknowns.
 
 use super::description::{Description, Variable};
-use super::report::Report;
+use super::report::{Place, Report};
 use super::rules::Rule;
 use super::xml::Element;
 use super::xml::values::count;
@@ -41,7 +41,7 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
             }
         }
     }
-    let what = (Rule::InitialUnknownsList, "InitialUnknowns", &*place("InitialUnknowns"));
+    let what = (Rule::InitialUnknownsList, "InitialUnknowns", &place("InitialUnknowns"));
     lists.compare(&initial, &wanted, what, report);
     if let Some(pair) = initial.windows(2).find(|pair| pair[0] > pair[1]) {
         let message = format!(
@@ -128,7 +128,7 @@ impl Lists<'_> {
         &self,
         found: &[usize],
         wanted: &BTreeSet<usize>,
-        (rule, list, place): (Rule, &str, &str),
+        (rule, list, place): (Rule, &str, &Place),
         report: &mut Report,
     ) {
         let found: BTreeSet<usize> = found.iter().copied().collect();
@@ -137,7 +137,7 @@ impl Lists<'_> {
             let Some(variable) = self.variables.get(index) else { continue };
             let verb = if wanted.contains(index) { "is missing" } else { "should not list" };
             let message = format!("{list} {verb} variable {index} ({})", variable.name);
-            report.add(rule, place, message);
+            report.add(rule, place.clone(), message);
         }
     }
 }

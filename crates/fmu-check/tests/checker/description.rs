@@ -175,7 +175,10 @@ fn a_finding_says_the_line() {
         &sound().edit("start=\"1.5\"", "start=\"9\"").pack(),
         &["--no-run"],
     );
-    assert!(printed.starts_with("start-outside-bounds modelDescription.xml:49: "), "{printed}");
+    assert!(
+        printed.starts_with("violation: start-outside-bounds modelDescription.xml:49: "),
+        "{printed}"
+    );
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod description;
 mod fmu;
 mod formats;
 mod libraries;
+mod outputs;
 mod processes;
 #[path = "../../../../tests/support/program.rs"]
 mod program;

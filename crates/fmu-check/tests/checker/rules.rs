@@ -19,8 +19,12 @@ fn all_rules_are_listed() {
     let help = text(&run(PROGRAM, folder.path(), &["--help"]).stdout);
     assert_eq!(listed.lines().count(), Rule::ALL.len());
     for (line, rule) in listed.lines().zip(Rule::ALL) {
-        let (id, what) = line.split_once(' ').unwrap();
-        assert_eq!((id, what.trim_start()), (rule.id(), rule.line()));
+        let mut words = line.split_ascii_whitespace();
+        let (section, since) = (rule.section().unwrap_or("-"), rule.since().unwrap_or("-"));
+        for word in [rule.id(), rule.class().word(), section, since] {
+            assert_eq!(words.next(), Some(word), "{line}");
+        }
+        assert!(line.ends_with(rule.line()), "{line}");
         assert!(help.contains(line), "{line}");
     }
 }
