@@ -1,7 +1,7 @@
 //! Rules on the model description before its variables: the model, its capabilities, units, types, log categories and
 //! the default experiment.
 
-use super::archive::Archive;
+use super::archive::{Archive, plain};
 use super::description::{Description, Kind, is_identifier};
 use super::report::Report;
 use super::rules::Rule;
@@ -75,7 +75,8 @@ fn abilities(simulation: &Element, archive: &Archive, report: &mut Report) {
     }
     for file in simulation.below("SourceFiles") {
         let Some(name) = file.attribute("name") else { continue };
-        if archive.find(&format!("sources/{name}")).is_none() {
+        let path = plain(&format!("sources/{name}"));
+        if path.is_none_or(|path| archive.find(&path).is_none()) {
             let message = format!("SourceFiles lists {name}, which is not in sources/");
             report.add(Rule::SourceFileMissing, file.place(), message);
         }

@@ -96,6 +96,7 @@ pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<
 /// Returns the reason why the archive has no library to run on this host, whose folder is `folder`.
 fn missing(archive: &Archive, folder: &str) -> String {
     let folders: BTreeSet<&str> = (archive.entries.iter())
+        .filter(|entry| !entry.is_folder())
         .filter_map(|entry| Some(entry.name.strip_prefix("binaries/")?.split_once('/')?.0))
         .collect();
     if folders.is_empty() || folders.contains(folder) {
@@ -127,8 +128,8 @@ fn files(archive: &Archive, floor: Option<Glibc>, report: &mut Report) -> Option
             "the library needs another program (needsExecutionTool)"
         }
         (Some(_), _) => return library,
-        (None, Some(folder)) => &missing(archive, folder),
-        (None, None) => "FMI 2.0 defines no platform folder for this host",
+        (None, [folder, ..]) => &missing(archive, folder),
+        (None, []) => "FMI 2.0 defines no platform folder for this host",
     };
     report.note(format!("nothing is run: {note}"));
     None

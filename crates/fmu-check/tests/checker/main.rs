@@ -3,6 +3,7 @@
 
 mod archive;
 mod description;
+mod exporters;
 mod fmu;
 mod formats;
 mod libraries;

@@ -31,8 +31,12 @@ fn all_rules_are_listed() {
 
 #[test]
 fn every_rule_has_an_fmu_that_breaks_it() {
-    let tests =
-        [include_str!("archive.rs"), include_str!("description.rs"), include_str!("libraries.rs")];
+    let tests = [
+        include_str!("archive.rs"),
+        include_str!("description.rs"),
+        include_str!("exporters.rs"),
+        include_str!("libraries.rs"),
+    ];
     for rule in Rule::ALL {
         let name = format!("\"{}\"", rule.id());
         assert!(
