@@ -134,7 +134,7 @@ rules! {
     Description {
         // The model description as XML.
         XmlMalformed "xml-malformed" "modelDescription.xml is well-formed XML" Violation "2.2" "2.0.1";
-        XmlEncoding "xml-encoding" "modelDescription.xml is in UTF-8 and declares no other encoding" Violation "2.2" "2.0.1";
+        XmlEncoding "xml-encoding" "modelDescription.xml is in UTF-8 and declares this encoding" Violation "2.2" "2.0.1";
         XmlDtd "xml-dtd" "modelDescription.xml has no document type declaration (DTD)" Defect;
         XmlLimits "xml-limits" "size, nesting, and numbers of elements and attributes are within limits" Defect;
         FmiVersion "fmi-version" "the root element is fmiModelDescription, and its fmiVersion is 2.0" Violation "2.2.1" "2.0.1";
@@ -146,13 +146,15 @@ rules! {
         // The model description's contents.
         ModelIdentifier "model-identifier" "modelIdentifier is a C identifier" Violation "4.3.1" "2.0.1";
         GuidEmpty "guid-empty" "the guid is not empty" Hint "2.2.1" "2.0.1";
-        GenerationDate "generation-date" "generationDateAndTime is a date and time in UTC that ends in Z" Hint "2.2.1" "2.0.1";
+        GenerationDate "generation-date" "generationDateAndTime is in UTC, with whole seconds, and ends in Z" Hint "2.2.1" "2.0.1";
         CapabilityFlags "capability-flags" "an FMU with canSerializeFMUstate also has canGetAndSetFMUstate" Violation "4.3.1" "2.0.1";
         DefaultExperiment "default-experiment" "startTime < stopTime, stepSize > 0 and tolerance > 0" Hint;
         CategoryDuplicate "category-duplicate" "names of log categories are unique" Violation "2.2.4" "2.0.1";
+        ToolDuplicate "tool-duplicate" "names of tools in VendorAnnotations are unique" Violation "2.2.6" "2.0.1";
         UnitDuplicate "unit-duplicate" "names of units, and of the display units of a unit, are unique" Violation "2.2.2" "2.0.1";
         UnitUndeclared "unit-undeclared" "every unit that is used is declared in UnitDefinitions" Violation "2.2.3" "2.0.1";
-        DisplayUnitUndeclared "display-unit-undeclared" "every display unit that is used is declared below its unit" Hint "2.2.3" "2.0.1";
+        DisplayUnitWithoutUnit "display-unit-without-unit" "what has a display unit has a unit" Violation "2.2.3" "2.0.1";
+        DisplayUnitUndeclared "display-unit-undeclared" "every display unit that is used is declared below its unit; others are ignored" Hint "2.2.3" "2.0.1";
         TypeDuplicate "type-duplicate" "type names are unique" Violation "2.2.3" "2.0.1";
         TypeUndeclared "type-undeclared" "every declaredType is defined in TypeDefinitions" Violation "2.2.7" "2.0.1";
         TypeKind "type-kind" "a variable and its declaredType are of the same kind, such as Real" Violation "2.2.7" "2.0.1";
@@ -162,6 +164,7 @@ rules! {
         NameDuplicate "name-duplicate" "variable names are unique" Violation "2.2.7" "2.0.1";
         NameStructured "name-structured" "names follow the grammar of structured names if that is the naming convention" Violation "2.2.9" "2.0.1";
         NameFlat "name-flat" "variable names are not empty and contain no tabs or line ends" Violation "2.2.9" "2.0.1";
+        ArrayOrder "array-order" "elements of an array follow each other in the order of their indices if names are structured" Hint "2.2.9" "2.0.1";
         CausalityVariability "causality-variability" "causality, variability and initial form a combination that FMI allows" Violation "2.2.7" "2.0.1";
         ContinuousNotReal "continuous-not-real" "only Real variables are continuous; continuous is the default variability" Violation "2.2.7" "2.0.1";
         IndependentVariable "independent-variable" "there is at most one independent variable, and it is a Real" Violation "2.2.7" "2.0.1";
@@ -170,10 +173,14 @@ rules! {
         StartOutsideBounds "start-outside-bounds" "start values lie within min and max, and are items of their enumeration" Violation "2.2.7" "2.0.1";
         BoundsOrder "bounds-order" "min is not above max" Violation "2.2.3" "2.0.1";
         NominalValue "nominal-value" "nominal values are above zero" Violation "2.2.3" "2.0.1";
-        AliasSettable "alias-settable" "at most one of the variables that share a value reference can be set" Violation "2.2.7" "2.0.1";
-        AliasUnit "alias-unit" "variables that share a value reference have the same unit" Violation "2.2.7" "2.0.1";
+        AliasSettable "alias-settable" "of variables that share a value reference at most one is set: it can be set, or is the independent variable" Violation "2.2.7" "2.0.1";
+        AliasConstant "alias-constant" "a constant shares its value reference with constants only" Violation "2.2.7" "2.0.1";
+        AliasUnit "alias-unit" "variables that share a value reference have the same unit, or none" Violation "2.2.7" "2.0.1";
         AliasStart "alias-start" "constants that share a value reference have the same value" Violation "2.2.7" "2.0.1";
         DerivativeIndex "derivative-index" "the attribute derivative is the index of another Real variable" Violation "2.2.7" "2.0.1";
+        StateCausality "state-causality" "continuous-time states are local variables or outputs" Violation "2.2.7" "2.0.1";
+        Reinit "reinit" "only continuous-time states of an FMU for model exchange have the attribute reinit" Violation "2.2.7" "2.0.1";
+        MultipleSet "multiple-set" "only inputs of an FMU for model exchange have canHandleMultipleSetPerTimeInstant" Violation "2.2.7" "2.0.1";
         // The structure.
         UnknownIndex "unknown-index" "every Unknown is the index of a variable, and occurs once in its list" Violation "2.2.8" "2.0.1";
         OutputsList "outputs-list" "Outputs lists all outputs and nothing else" Violation "2.2.8" "2.0.1";
@@ -181,7 +188,9 @@ rules! {
         InitialUnknownsList "initial-unknowns-list" "InitialUnknowns lists exactly the variables that initialization computes" Violation "2.2.8" "2.0.1";
         InitialUnknownsOrder "initial-unknowns-order" "InitialUnknowns is in ascending order of the indices" Violation "2.2.8" "2.0.1";
         DependenciesIndex "dependencies-index" "dependencies are indices of variables" Violation "2.2.8" "2.0.1";
-        DependenciesKind "dependencies-kind" "dependenciesKind has one entry for each entry of dependencies" Violation "2.2.8" "2.0.1";
+        DependenciesKnown "dependencies-known" "unknowns depend only on what is known: inputs, the independent variable, states, at the start initial exact" Violation "2.2.8" "2.0.1";
+        DependenciesOrder "dependencies-order" "dependencies are in ascending order" Violation "2.2.8" "2.0.1";
+        DependenciesKind "dependencies-kind" "dependenciesKind has one entry for each dependency, for unknowns that are not Real always dependent" Violation "2.2.8" "2.0.1";
     }
     Libraries {
         PlatformFolder "platform-folder" "every folder in binaries/ is named as a platform of FMI 2.0" Hint "2.3" "2.0.1";

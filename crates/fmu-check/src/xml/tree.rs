@@ -105,6 +105,7 @@ impl Parser<'_> {
     fn run(&mut self, report: &mut Report) -> Result<(), Problem> {
         let mut reader = Reader::from_str(self.text);
         reader.config_mut().check_comments = true;
+        let mut declares_encoding = false;
         loop {
             let before = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX);
             self.count_to(before);
@@ -160,6 +161,7 @@ impl Parser<'_> {
                     }
                     if let Some(encoding) = declaration.encoding() {
                         let encoding = encoding.map_err(malformed)?;
+                        declares_encoding = true;
                         if !encoding.eq_ignore_ascii_case("UTF-8") {
                             let message =
                                 format!("declares the encoding {encoding}; FMI requires UTF-8");
@@ -186,6 +188,10 @@ impl Parser<'_> {
         }
         if self.root.is_none() {
             return Err(malformed("the file contains no element"));
+        }
+        if !declares_encoding {
+            let message = "declares no encoding; the first line must be <?xml version=\"1.0\" encoding=\"UTF-8\"?>";
+            report.add(Rule::XmlEncoding, Place::line(PATH, 1), message);
         }
         Ok(())
     }

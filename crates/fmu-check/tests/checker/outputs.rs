@@ -69,7 +69,7 @@ fn json_is_one_object_for_one_fmu_and_an_array_for_several() {
         "findings": [
             {
                 "class": "hint", "rule": "generation-date", "place": "modelDescription.xml", "line": 2,
-                "message": "generationDateAndTime 2024-12-31T23:59:59+01:00 is not a date and time in UTC, such as 2024-12-31T23:59:59Z",
+                "message": "generationDateAndTime 2024-12-31T23:59:59+01:00 should be in UTC, such as 2024-12-31T23:59:59Z",
                 "section": "2.2.1", "since": "2.0.1",
             },
             {
