@@ -128,9 +128,18 @@ impl<'a> Description<'a> {
         self.root.below("ModelVariables").len()
     }
 
+    /// `true` if the list of derivatives has no meaning: that of an FMU for co-simulation alone without directional
+    /// derivatives (FMI 2.0, section 2.2.8).
+    pub(super) fn ignores_derivatives(&self) -> bool {
+        self.root.child("ModelExchange").is_none() && !self.can("providesDirectionalDerivative")
+    }
+
     /// The indices of the continuous-time states: the variables whose derivatives `Derivatives` lists. `None` if they are
     /// not told, which co-simulation allows, or if an entry is wrong.
     pub(super) fn states(&self) -> Option<BTreeSet<usize>> {
+        if self.ignores_derivatives() {
+            return None;
+        }
         let structure = self.root.child("ModelStructure")?;
         if structure.child("Derivatives").is_none() {
             return self.root.child("ModelExchange").map(|_| BTreeSet::new());

@@ -36,7 +36,7 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
         for index in [*index, state] {
             let Some(variable) = lists.variables.get(&index) else { continue };
             let is_unknown = matches!(variable.initial, Some("approx" | "calculated"));
-            if !ignores_derivatives(description) {
+            if !description.ignores_derivatives() {
                 wanted.extend(is_unknown.then_some(index));
             } else if !wanted.contains(&index) {
                 // Neither its presence nor its absence is wrong.
@@ -53,13 +53,6 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
         );
         report.add(Rule::InitialUnknownsOrder, place("InitialUnknowns"), message);
     }
-}
-
-/// `true` if the list of derivatives has no meaning: that of an FMU for co-simulation alone without directional
-/// derivatives (FMI 2.0, section 2.2.8).
-fn ignores_derivatives(description: &Description<'_>) -> bool {
-    description.root.child("ModelExchange").is_none()
-        && !description.can("providesDirectionalDerivative")
 }
 
 struct Lists<'a> {

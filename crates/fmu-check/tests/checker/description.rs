@@ -1,6 +1,6 @@
 //! Model descriptions that break one rule.
 
-use super::fmu::{assert_breaks, sound};
+use super::fmu::{Files, assert_breaks, sound};
 
 const EDITS: &[(&str, &str, &str)] = &[
     ("xml-malformed", "</ModelStructure>", ""),
@@ -187,9 +187,8 @@ const EDITS: &[(&str, &str, &str)] = &[
         "      <Unknown index=\"3\"/>\n      <Unknown index=\"2\"/>\n",
     ),
     ("dependencies-index", "dependencies=\"2\"", "dependencies=\"0\""),
-    // A fixed parameter, a local variable, an output that is not a state.
+    // A fixed parameter, and an output that cannot be a state.
     ("dependencies-known", "dependencies=\"2\"", "dependencies=\"7\""),
-    ("dependencies-known", "dependencies=\"\"", "dependencies=\"10\""),
     ("dependencies-known", "dependencies=\"\"", "dependencies=\"6\""),
     // At the start, a variable that is computed.
     (
@@ -268,10 +267,9 @@ fn an_fmu_for_model_exchange_may_tell_what_only_that_knows() {
 
 #[test]
 fn derivatives_that_co_simulation_ignores_need_not_be_initial_unknowns() {
-    let ignored = sound().edit("      <Unknown index=\"3\"/>\n", "");
-    assert_eq!(super::fmu::check(&ignored.pack(), &["--no-run"]).1, "");
-    let flag = "canHandleVariableCommunicationStepSize=\"true\"";
-    let used = ignored.edit(flag, &format!("{flag} providesDirectionalDerivative=\"true\""));
+    let derivative = "      <Unknown index=\"3\"/>\n";
+    assert_eq!(super::fmu::check(&sound().edit(derivative, "").pack(), &["--no-run"]).1, "");
+    let used = with_derivatives().edit(derivative, "");
     assert_breaks("initial-unknowns-list", &used.pack(), &["--no-run"]);
 }
 
@@ -294,13 +292,24 @@ fn states_that_are_not_told_may_be_depended_on() {
     assert_eq!(super::fmu::check(&untold.pack(), &["--no-run"]).1, "");
 }
 
+/// The sound FMU, whose list of derivatives has a meaning.
+fn with_derivatives() -> Files {
+    let flag = "canHandleVariableCommunicationStepSize=\"true\"";
+    sound().edit(flag, &format!("{flag} providesDirectionalDerivative=\"true\""))
+}
+
 #[test]
-fn a_state_is_no_parameter() {
-    let files = sound().edit("derivative=\"2\"", "derivative=\"5\"").edit(
+fn states_are_what_the_list_of_derivatives_says() {
+    let parameter = with_derivatives().edit("derivative=\"2\"", "derivative=\"5\"").edit(
         "<Unknown index=\"3\" dependencies=\"2\"/>",
         "<Unknown index=\"3\" dependencies=\"5\"/>",
     );
-    assert_breaks("state-causality", &files.pack(), &["--no-run"]);
+    assert_breaks("state-causality", &parameter.pack(), &["--no-run"]);
+    let local = with_derivatives().edit("dependencies=\"\"", "dependencies=\"10\"");
+    assert_breaks("dependencies-known", &local.pack(), &["--no-run"]);
+    // Where the list is ignored, the local variable may be a state.
+    let local = sound().edit("dependencies=\"\"", "dependencies=\"10\"");
+    assert_eq!(super::fmu::check(&local.pack(), &["--no-run"]).1, "");
 }
 
 #[test]
