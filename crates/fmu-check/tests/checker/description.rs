@@ -64,8 +64,8 @@ const EDITS: &[(&str, &str, &str)] = &[
     ("name-structured", "name=\"module[1].u\"", "name=\"module 1.u\""),
     (
         "causality-variability",
-        "causality=\"output\" variability=\"continuous\" initial=\"calculated\"",
-        "causality=\"output\" variability=\"fixed\" initial=\"calculated\"",
+        "name=\"count\" valueReference=\"0\" causality=\"output\" variability=\"discrete\"",
+        "name=\"count\" valueReference=\"0\" causality=\"output\" variability=\"fixed\"",
     ),
     (
         "causality-variability",
