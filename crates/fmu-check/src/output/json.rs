@@ -16,6 +16,14 @@ struct Finding {
     since: Option<&'static str>,
 }
 
+/// Findings of a rule that are counted but not listed.
+#[derive(Serialize)]
+struct More {
+    class: Class,
+    rule: &'static str,
+    count: usize,
+}
+
 #[derive(Serialize)]
 struct Fmu {
     file: String,
@@ -23,6 +31,7 @@ struct Fmu {
     defects: usize,
     hints: usize,
     findings: Vec<Finding>,
+    more: Vec<More>,
     notes: Vec<String>,
 }
 
@@ -73,6 +82,9 @@ fn fmu(file: String, report: &Report) -> Fmu {
         defects: report.count(Class::Defect),
         hints: report.count(Class::Hint),
         findings: report.findings.iter().map(finding).collect(),
+        more: (report.more())
+            .map(|(class, rule, count)| More { class, rule: rule.id(), count })
+            .collect(),
         notes: report.notes.iter().map(|note| printable(note)).collect(),
     }
 }

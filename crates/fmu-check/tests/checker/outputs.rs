@@ -77,7 +77,7 @@ fn json_is_one_object_for_one_fmu_and_an_array_for_several() {
                 "message": "start 9 of module[1].u is above max 5", "section": "2.2.7", "since": "2.0.1",
             },
         ],
-        "notes": [],
+        "more": [], "notes": [],
     });
     assert_eq!((code, serde_json::from_str::<Value>(&printed).unwrap()), (1, wanted));
     let (code, printed, _) =
@@ -87,6 +87,20 @@ fn json_is_one_object_for_one_fmu_and_an_array_for_several() {
     assert_eq!(all[0]["findings"][1]["rule"], "start-outside-bounds");
     assert_eq!(all[1]["file"], "b.fmu");
     assert!(all[1]["error"].as_str().unwrap().contains("not a zip archive"), "{all}");
+}
+
+#[test]
+fn json_counts_the_findings_that_it_does_not_list() {
+    let many: String = (0..25)
+        .map(|number| format!("<Category name=\"logAll\" description=\"{number}\"/>"))
+        .collect();
+    let many = sound().edit("<Category name=\"logStatusError\"/>", &many).pack();
+    let (_, printed) = check(&many, &["--no-run", "--format", "json"]);
+    let report: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(report["violations"], 25);
+    assert_eq!(report["findings"].as_array().unwrap().len(), 20);
+    let more = json!([{ "class": "violation", "rule": "category-duplicate", "count": 5 }]);
+    assert_eq!(report["more"], more);
 }
 
 #[test]
