@@ -195,7 +195,7 @@ rules! {
     Libraries {
         PlatformFolder "platform-folder" "every folder in binaries/ is named as a platform of FMI 2.0" Hint "2.3" "2.0.1";
         LibraryMissing "library-missing" "there are sources or a library, and libraries are named after modelIdentifier" Violation "2.3" "2.0.1";
-        LibraryFormat "library-format" "the library is made for the system and processor of its folder" Violation "2.3" "2.0.1";
+        LibraryFormat "library-format" "the library is made for the system and processor of its folder" Violation "2.3" "2.0.4";
         FunctionMissing "function-missing" "the library exports every function of FMI 2.0 for co-simulation" Violation "2.3" "2.0.1";
         SymbolUndefined "symbol-undefined" "every undefined symbol of the library is provided by a library that it links to" Hint;
         NeededLibrary "needed-library" "the library needs only system libraries and libraries that are packed with it" Hint "2.3" "2.0.1";
