@@ -1,30 +1,36 @@
 //! The command line of the checker. The program `fmu-check` consists of this command; `amontons check` is the same
 //! command among others.
 
-use crate::{Error, Glibc, Options, Rule, Run, Watch, check, run_library};
+use crate::output::{self, Examined};
+use crate::{Class, Error, Format, Glibc, Options, Report, Rule, Run, Watch, check, run_library};
 use clap::Args;
 use std::fmt::Write as _;
 use std::io::{self, Write as _, stdout};
 use std::path::PathBuf;
 use std::time::Duration;
 
-const NOTES: &str = "Exit codes: 0 no findings, 1 at least one finding, 2 the file cannot be read as an FMU or \
-its library cannot be started, 130 interrupted. Each finding is one line: the rule, the file (and line), and what \
-is wrong. A line that begins with \"hint:\" names something that is wrong on some hosts only; with --strict it \
-counts as a finding. A line that begins with \"note:\" says what could not be examined.\n\nThe library runs in a \
-process of its own with limits on time, memory and file size. This is not a sandbox: the library can do whatever \
-its user can. With --no-run, files are only read and the library is not run.";
+const NOTES: &str = "Exit codes: 0 nothing but hints and notes, 1 at least one violation, 3 no violation but a defect, \
+4 only hints, with --strict, 2 a file cannot be read as an FMU or its library cannot be started, 130 interrupted. Of \
+several FMUs the gravest counts: 2, then 1, 3, 4. Each finding is one line: its class, the rule, the file (and line), \
+what is wrong, and the section of the standard. A \"violation\" contradicts a sentence of FMI 2.0; a \"defect\" makes the \
+FMU fail; a \"hint\" names what the standard recommends or what is wrong on some hosts only. A line that begins with \
+\"note:\" says what could not be examined.\n\nThe library runs in a process of its own with limits on time, memory \
+and file size. This is not a sandbox: the library can do whatever its user can. With --no-run, files are only read \
+and the library is not run.";
 
 /// The arguments of an examination.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = NOTES, after_long_help = format!("{NOTES}\n\nRules:\n{}", rules()))]
 pub struct Arguments {
-    /// The FMU to check
-    #[arg(required_unless_present = "rules")]
-    file: Option<PathBuf>,
-    /// List all rules
-    #[arg(long, conflicts_with = "file")]
+    /// The FMUs to check
+    #[arg(required_unless_present = "rules", value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// List all rules, each with its class, section of FMI 2.0.5 and version since which it holds
+    #[arg(long, conflicts_with = "files")]
     rules: bool,
+    /// Format of the report
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
     /// Only read files; do not run the library
     #[arg(long)]
     no_run: bool,
@@ -32,11 +38,11 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = clap::value_parser!(u64).range(1..=86400),
         conflicts_with = "no_run")]
     timeout: u64,
-    /// The newest glibc that a Linux library may need; without this option, a library that needs a newer one than 2.17
-    /// gets a hint
+    /// The newest glibc that a Linux library may need; one that needs a newer version is then a defect. Without this
+    /// option, a library that needs a newer one than 2.17 gets a hint
     #[arg(long, value_name = "VERSION")]
     glibc: Option<Glibc>,
-    /// Count hints as findings
+    /// Let hints fail the check too
     #[arg(long)]
     strict: bool,
 }
@@ -51,12 +57,58 @@ pub struct LibraryRun {
     supervisor: Option<u32>,
 }
 
+/// The numbers of findings of each class in all FMUs that were examined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.text())]
+pub struct Found {
+    /// Contradictions to the standard.
+    pub violations: usize,
+    /// Failures of the FMU.
+    pub defects: usize,
+    /// Recommendations that are not followed.
+    pub hints: usize,
+    /// `true` if hints count as failures.
+    pub strict: bool,
+}
+
+impl Found {
+    fn add(&mut self, report: &Report) {
+        self.violations += report.count(Class::Violation);
+        self.defects += report.count(Class::Defect);
+        self.hints += report.count(Class::Hint);
+    }
+
+    fn exit_code(self) -> u8 {
+        match self {
+            Self { violations: 1.., .. } => 1,
+            Self { defects: 1.., .. } => 3,
+            Self { hints: 1.., strict: true, .. } => 4,
+            Self { .. } => 0,
+        }
+    }
+
+    fn text(self) -> String {
+        let parts =
+            [(self.violations, "violation"), (self.defects, "defect"), (self.hints, "hint")];
+        let counted = parts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| {
+            let plural = if *count == 1 { "" } else { "s" };
+            format!("{count} {word}{plural}")
+        });
+        let counted: Vec<_> = counted.collect();
+        match counted[..] {
+            [] => "no findings".to_owned(),
+            _ if self.violations + self.defects == 0 => format!("no findings, {}", counted[0]),
+            _ => counted.join(", "),
+        }
+    }
+}
+
 /// Reasons for which the command ends with another exit code than 0.
 #[derive(Debug, thiserror::Error)]
 pub enum Failed {
-    /// The FMU breaks rules: the number of findings.
-    #[error("{0} finding{plural}", plural = if *.0 == 1 { "" } else { "s" })]
-    Found(usize),
+    /// FMUs break rules.
+    #[error(transparent)]
+    Found(#[from] Found),
     /// The file cannot be read or is not an FMU, or its library cannot be started.
     #[error(transparent)]
     Unreadable(#[from] Error),
@@ -73,23 +125,24 @@ impl Failed {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Found(_) | Self::Output(_) => 1,
+            Self::Found(found) => found.exit_code(),
+            Self::Output(_) => 1,
             Self::Unreadable(_) => 2,
             Self::Interrupted => 130,
         }
     }
 }
 
-/// Examines an FMU and prints the report, or lists the rules. The library runs in this program, started anew with the
+/// Examines FMUs and prints the reports, or lists the rules. The library runs in this program, started anew with the
 /// subcommand [`COMMAND`](crate::COMMAND); the program must hand that to [`run_in_process`].
 ///
 /// # Errors
-/// Returns an error if the FMU breaks a rule or cannot be read, or if `watch` has ended the examination.
+/// Returns an error if an FMU breaks a rule or cannot be read, or if `watch` has ended the examination.
 pub fn run(arguments: &Arguments, watch: Watch<'_>) -> Result<(), Failed> {
-    let Some(file) = &arguments.file else {
+    if arguments.rules {
         stdout().lock().write_all(rules().as_bytes())?;
         return Ok(());
-    };
+    }
     let run = if arguments.no_run {
         None
     } else {
@@ -101,18 +154,30 @@ pub fn run(arguments: &Arguments, watch: Watch<'_>) -> Result<(), Failed> {
         Some(Run { program, timeout: Duration::from_secs(arguments.timeout) })
     };
     let options = Options { glibc: arguments.glibc, run };
-    let report = check(file, &options, watch)?.ok_or(Failed::Interrupted)?;
-    write!(stdout().lock(), "{report}")?;
-    let (found, hints) = (report.count(), report.hints.len());
-    let failing = if arguments.strict { found + hints } else { found };
-    if failing > 0 {
-        return Err(Failed::Found(failing));
+    let Arguments { files, format, strict, .. } = arguments;
+    let mut found = Found { strict: *strict, ..Found::default() };
+    let mut all = Vec::new();
+    for file in files {
+        let result = check(file, &options, watch).transpose();
+        let result = result.ok_or(Failed::Interrupted)?;
+        if let Ok(report) = &result {
+            found.add(report);
+            if *format == Format::Text {
+                write!(stdout().lock(), "{}", output::text(file, report, files.len() > 1))?;
+            }
+        }
+        all.push(Examined { file, result });
     }
-    match hints {
-        0 => eprintln!("no findings"),
-        1 => eprintln!("no findings, 1 hint"),
-        hints => eprintln!("no findings, {hints} hints"),
+    write!(stdout().lock(), "{}", output::document(*format, &all, *strict))?;
+    let mut errors = all.into_iter().filter_map(|examined| examined.result.err());
+    if let Some(first) = errors.next() {
+        errors.for_each(|error| eprintln!("error: {error}"));
+        return Err(first.into());
     }
+    if found.exit_code() > 0 {
+        return Err(found.into());
+    }
+    eprintln!("{found}");
     Ok(())
 }
 
@@ -125,11 +190,14 @@ pub fn run_in_process(arguments: &LibraryRun) -> Result<(), Error> {
     run_library(folder, library, Duration::from_secs(*timeout), *supervisor)
 }
 
-/// Returns all rules as text, one per line.
+/// Returns all rules as text, one per line: name, class, section of FMI 2.0.5 and version since which it holds (or
+/// dashes), and requirement.
 fn rules() -> String {
     let width = Rule::ALL.iter().map(|rule| rule.id().len()).max().unwrap_or(0);
     Rule::ALL.iter().fold(String::new(), |mut text, rule| {
-        let _ = writeln!(text, "{:width$}  {}", rule.id(), rule.line());
+        let (section, since) = (rule.section().unwrap_or("-"), rule.since().unwrap_or("-"));
+        let (id, class, line) = (rule.id(), rule.class(), rule.line());
+        let _ = writeln!(text, "{id:width$}  {class:9}  {section:5}  {since:5}  {line}");
         text
     })
 }

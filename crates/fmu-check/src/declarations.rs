@@ -1,12 +1,12 @@
 //! Rules on the model description before its variables: the model, its capabilities, units, types, log categories and
 //! the default experiment.
 
-use super::archive::Archive;
+use super::archive::{Archive, plain};
 use super::description::{Description, Kind, is_identifier};
 use super::report::Report;
 use super::rules::Rule;
 use super::xml::Element;
-use super::xml::values::{boolean, double};
+use super::xml::values::{boolean, double, moment};
 use std::collections::{HashMap, HashSet};
 
 pub(super) fn examine(description: &Description<'_>, archive: &Archive, report: &mut Report) {
@@ -22,6 +22,7 @@ pub(super) fn examine(description: &Description<'_>, archive: &Archive, report: 
         "log category",
         report,
     );
+    unique(description.root.below("VendorAnnotations"), Rule::ToolDuplicate, "tool", report);
     experiment(description, report);
     units(description, report);
     types(description, report);
@@ -33,30 +34,15 @@ fn model(root: &Element, report: &mut Report) {
             "the guid is empty; the library needs it to refuse a model description of another FMU";
         report.add(Rule::GuidEmpty, root.place(), message);
     }
-    if let Some(date) = root.attribute("generationDateAndTime").filter(|date| !is_date(date)) {
-        let message = format!(
-            "generationDateAndTime {date} is not a date and time in UTC, such as 2024-12-31T23:59:59Z"
-        );
+    // What is no date at all is reported by the check against the schema.
+    let date = root.attribute("generationDateAndTime");
+    if let Some((date, rest)) = date.and_then(|date| Some((date, moment(date)?)))
+        && rest != "Z"
+    {
+        let message =
+            format!("generationDateAndTime {date} should be in UTC, such as 2024-12-31T23:59:59Z");
         report.add(Rule::GenerationDate, root.place(), message);
     }
-}
-
-fn is_date(text: &str) -> bool {
-    let Some(text) = text.strip_suffix('Z') else { return false };
-    let (text, fraction) = text.split_once('.').unwrap_or((text, "0"));
-    let shape: String = text.chars().map(|c| if c.is_ascii_digit() { '0' } else { c }).collect();
-    if shape != "0000-00-00T00:00:00"
-        || fraction.is_empty()
-        || !fraction.chars().all(|c| c.is_ascii_digit())
-    {
-        return false;
-    }
-    let number = |at: usize| text[at..at + 2].parse().unwrap_or(99_u32);
-    (1..=12).contains(&number(5))
-        && (1..=31).contains(&number(8))
-        && number(11) < 24
-        && number(14) < 60
-        && number(17) <= 60
 }
 
 fn abilities(simulation: &Element, archive: &Archive, report: &mut Report) {
@@ -75,7 +61,8 @@ fn abilities(simulation: &Element, archive: &Archive, report: &mut Report) {
     }
     for file in simulation.below("SourceFiles") {
         let Some(name) = file.attribute("name") else { continue };
-        if archive.find(&format!("sources/{name}")).is_none() {
+        let path = plain(&format!("sources/{name}"));
+        if path.is_none_or(|path| archive.find(&path).is_none()) {
             let message = format!("SourceFiles lists {name}, which is not in sources/");
             report.add(Rule::SourceFileMissing, file.place(), message);
         }
@@ -139,12 +126,15 @@ fn units(description: &Description<'_>, report: &mut Report) {
             return;
         }
         let Some(display) = element.attribute("displayUnit") else { return };
-        if !unit.and_then(|unit| known.get(unit)).is_some_and(|names| names.contains(display)) {
-            let below = unit.map_or_else(
-                || format!("{owner} has no unit"),
-                |unit| format!("{unit} has no such DisplayUnit"),
+        let Some(unit) = unit else {
+            let message = format!("{owner} has the display unit {display} but no unit");
+            report.add(Rule::DisplayUnitWithoutUnit, element.place(), message);
+            return;
+        };
+        if known.get(unit).is_some_and(|names| !names.contains(display)) {
+            let message = format!(
+                "the display unit {display} of {owner} is not declared, so hosts ignore it: {unit} has no such DisplayUnit"
             );
-            let message = format!("the display unit {display} of {owner} is not declared: {below}");
             report.add(Rule::DisplayUnitUndeclared, element.place(), message);
         }
     };

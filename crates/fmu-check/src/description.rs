@@ -3,7 +3,7 @@
 
 use super::xml::Element;
 use super::xml::values::{boolean, count, double};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// The type of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -90,6 +90,11 @@ impl<'a> Variable<'a> {
         self.attribute(name).and_then(double)
     }
 
+    /// The index of the variable whose derivative this one is.
+    pub(super) fn derivative_of(&self) -> Option<usize> {
+        self.element.attribute("derivative").and_then(count).map(|index| index as usize)
+    }
+
     /// `true` if importers may set the value at some time.
     pub(super) fn is_settable(&self) -> bool {
         self.variability != "constant"
@@ -121,6 +126,32 @@ impl<'a> Description<'a> {
     /// Number of variables, including those that cannot be read.
     pub(super) fn count(&self) -> usize {
         self.root.below("ModelVariables").len()
+    }
+
+    /// `true` if the list of derivatives has no meaning: that of an FMU for co-simulation alone without directional
+    /// derivatives (FMI 2.0, section 2.2.8).
+    pub(super) fn ignores_derivatives(&self) -> bool {
+        self.root.child("ModelExchange").is_none() && !self.can("providesDirectionalDerivative")
+    }
+
+    /// The indices of the continuous-time states: the variables whose derivatives `Derivatives` lists. `None` if they are
+    /// not told, which co-simulation allows, or if an entry is wrong.
+    pub(super) fn states(&self) -> Option<BTreeSet<usize>> {
+        if self.ignores_derivatives() {
+            return None;
+        }
+        let structure = self.root.child("ModelStructure")?;
+        if structure.child("Derivatives").is_none() {
+            return self.root.child("ModelExchange").map(|_| BTreeSet::new());
+        }
+        let by_index: HashMap<usize, &Variable<'_>> =
+            self.variables.iter().map(|variable| (variable.index, variable)).collect();
+        let state = |unknown: &Element| {
+            let index = unknown.attribute("index").and_then(count)? as usize;
+            let state = by_index.get(&index)?.derivative_of()?;
+            (state != index && by_index.contains_key(&state)).then_some(state)
+        };
+        structure.below("Derivatives").iter().map(state).collect()
     }
 
     /// `true` if a capability flag of the co-simulation is stated as true.

@@ -1,7 +1,7 @@
 //! Finds mistakes in FMUs for co-simulation by FMI 2.0, from any program. [`Rule::ALL`] lists the rules.
 //!
 //! ```no_run
-//! use fmu_check::{Options, Rule, check};
+//! use fmu_check::{Class, Options, check};
 //! use std::ops::ControlFlow;
 //! use std::path::Path;
 //!
@@ -11,7 +11,7 @@
 //! for finding in &report.findings {
 //!     println!("{finding}");
 //! }
-//! assert!(report.findings.iter().all(|finding| finding.rule != Rule::GuidEmpty));
+//! assert_eq!(report.count(Class::Violation), 0);
 //! # Ok::<(), fmu_check::Error>(())
 //! ```
 //!
@@ -21,7 +21,7 @@
 //!
 //! [`check`] reads the archive header by header (`archive`), then `modelDescription.xml` as a tree that is held against the
 //! schema (`xml`), then the rules that the schema cannot express (`declarations`, `variables`, `structure`), then the
-//! libraries as files (`binaries`), and at last it runs the library for this host (`run`). Nothing in an FMU is trusted: sizes
+//! libraries as files (`binaries`), and at last it runs the library for this host (`run`). `output` writes the reports. Nothing in an FMU is trusted: sizes
 //! are limited before anything is unpacked, files are written into a private folder only, and a library runs in a process of
 //! its own that ends with its time.
 
@@ -32,6 +32,7 @@ mod declarations;
 mod description;
 mod error;
 mod options;
+mod output;
 mod report;
 mod rules;
 mod run;
@@ -41,8 +42,9 @@ mod xml;
 
 pub use error::Error;
 pub use options::{Glibc, Options, Run};
-pub use report::{Finding, Report};
-pub use rules::Rule;
+pub use output::Format;
+pub use report::{Finding, Place, Report};
+pub use rules::{Class, Part, Rule};
 pub use run::{COMMAND, Watch, run_library};
 
 use archive::Archive;
@@ -82,10 +84,11 @@ pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<
         return Ok(Some(report));
     }
     let library = files(&archive, options.glibc, &mut report);
-    if let (Some(library), Some(run)) = (library, &options.run)
-        && run::examine(&archive, &library, run, watch, &mut report)?.is_none()
-    {
-        return Ok(None);
+    if let (Some(library), Some(run)) = (library, &options.run) {
+        report.reach(Part::Run);
+        if run::examine(&archive, &library, run, watch, &mut report)?.is_none() {
+            return Ok(None);
+        }
     }
     Ok(Some(report))
 }
@@ -93,6 +96,7 @@ pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<
 /// Returns the reason why the archive has no library to run on this host, whose folder is `folder`.
 fn missing(archive: &Archive, folder: &str) -> String {
     let folders: BTreeSet<&str> = (archive.entries.iter())
+        .filter(|entry| !entry.is_folder())
         .filter_map(|entry| Some(entry.name.strip_prefix("binaries/")?.split_once('/')?.0))
         .collect();
     if folders.is_empty() || folders.contains(folder) {
@@ -107,6 +111,7 @@ fn files(archive: &Archive, floor: Option<Glibc>, report: &mut Report) -> Option
     let entry = archive.find(xml::PATH)?;
     // Damaged entries have been reported with the archive.
     let content = archive.content(entry, xml::MOST_BYTES).ok()?;
+    report.reach(Part::Description);
     let root = xml::read(&content, report)?;
     let description = Description::new(&root);
     declarations::examine(&description, archive, report);
@@ -116,14 +121,15 @@ fn files(archive: &Archive, floor: Option<Glibc>, report: &mut Report) -> Option
         report.note("modelDescription.xml has no CoSimulation element: libraries are not examined");
         return None;
     }
+    report.reach(Part::Libraries);
     let library = binaries::examine(&description, archive, floor, report);
     let note = match (&library, binaries::HOST) {
         (Some(_), _) if description.can("needsExecutionTool") => {
             "the library needs another program (needsExecutionTool)"
         }
         (Some(_), _) => return library,
-        (None, Some(folder)) => &missing(archive, folder),
-        (None, None) => "FMI 2.0 defines no platform folder for this host",
+        (None, [folder, ..]) => &missing(archive, folder),
+        (None, []) => "FMI 2.0 defines no platform folder for this host",
     };
     report.note(format!("nothing is run: {note}"));
     None

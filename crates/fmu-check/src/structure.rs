@@ -1,8 +1,8 @@
 //! Rules on `ModelStructure`: the lists of outputs, derivatives and initial unknowns.
 
-use super::description::{Description, Variable};
-use super::report::Report;
-use super::rules::Rule;
+use super::description::{Description, Kind, Variable};
+use super::report::{Place, Report};
+use super::rules::{Class, Rule};
 use super::xml::Element;
 use super::xml::values::count;
 use std::collections::{BTreeSet, HashMap};
@@ -11,7 +11,7 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
     let Some(structure) = description.root.child("ModelStructure") else { return };
     let variables =
         description.variables.iter().map(|variable| (variable.index, variable)).collect();
-    let lists = Lists { count: description.count(), variables };
+    let lists = Lists { count: description.count(), variables, states: description.states() };
     let outputs = lists.read(structure, "Outputs", report);
     let derivatives = lists.read(structure, "Derivatives", report);
     let initial = lists.read(structure, "InitialUnknowns", report);
@@ -24,25 +24,28 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
         "output" => matches!(variable.initial, Some("approx" | "calculated")),
         causality => causality == "calculatedParameter",
     });
+    let mut initial_listed = initial.clone();
     for index in &derivatives {
         let Some(derivative) = lists.variables.get(index) else { continue };
-        let Some(state) = derivative.element.attribute("derivative").and_then(count) else {
+        let Some(state) = derivative.derivative_of() else {
             let message =
                 format!("Derivatives lists {}, which has no attribute derivative", derivative.name);
             report.add(Rule::DerivativesList, place("Derivatives"), message);
             continue;
         };
-        for index in [*index, state as usize] {
-            let variable = lists.variables.get(&index);
-            if variable
-                .is_some_and(|variable| matches!(variable.initial, Some("approx" | "calculated")))
-            {
-                wanted.insert(index);
+        for index in [*index, state] {
+            let Some(variable) = lists.variables.get(&index) else { continue };
+            let is_unknown = matches!(variable.initial, Some("approx" | "calculated"));
+            if !description.ignores_derivatives() {
+                wanted.extend(is_unknown.then_some(index));
+            } else if !wanted.contains(&index) {
+                // Neither its presence nor its absence is wrong.
+                initial_listed.retain(|listed| *listed != index);
             }
         }
     }
-    let what = (Rule::InitialUnknownsList, "InitialUnknowns", &*place("InitialUnknowns"));
-    lists.compare(&initial, &wanted, what, report);
+    let what = (Rule::InitialUnknownsList, "InitialUnknowns", &place("InitialUnknowns"));
+    lists.compare(&initial_listed, &wanted, what, report);
     if let Some(pair) = initial.windows(2).find(|pair| pair[0] > pair[1]) {
         let message = format!(
             "InitialUnknowns lists variable {} before variable {}; the indices must ascend",
@@ -56,6 +59,8 @@ struct Lists<'a> {
     /// Number of variables.
     count: usize,
     variables: HashMap<usize, &'a Variable<'a>>,
+    /// The continuous-time states; `None` if the FMU does not tell them.
+    states: Option<BTreeSet<usize>>,
 }
 
 impl Lists<'_> {
@@ -64,7 +69,7 @@ impl Lists<'_> {
         let mut indices = Vec::new();
         let mut seen = BTreeSet::new();
         for unknown in structure.below(name) {
-            self.dependencies(unknown, report);
+            self.dependencies(name, unknown, report);
             let Some(index) = unknown.attribute("index").and_then(count) else { continue };
             let index = index as usize;
             if index == 0 || index > self.count {
@@ -86,20 +91,65 @@ impl Lists<'_> {
         indices
     }
 
-    fn dependencies(&self, unknown: &Element, report: &mut Report) {
-        let dependencies = unknown.attribute("dependencies");
-        for index in dependencies.unwrap_or_default().split_ascii_whitespace().filter_map(count) {
-            if index == 0 || index as usize > self.count {
+    fn dependencies(&self, list: &str, unknown: &Element, report: &mut Report) {
+        let stated = unknown.attribute("dependencies");
+        let indices: Vec<usize> = (stated.unwrap_or_default().split_ascii_whitespace())
+            .filter_map(|index| Some(count(index)? as usize))
+            .collect();
+        for &index in &indices {
+            if index == 0 || index > self.count {
                 let message = format!(
                     "dependencies lists variable {index}, but only the variables 1 to {} exist",
                     self.count
                 );
                 report.add(Rule::DependenciesIndex, unknown.place(), message);
+            } else if let Some(variable) = self.variables.get(&index)
+                && !self.is_known(list, variable)
+            {
+                let known = match list {
+                    "InitialUnknowns" => "inputs, variables with initial exact",
+                    _ => "inputs, continuous-time states",
+                };
+                let message = format!(
+                    "dependencies lists variable {index} ({}), on which nothing in {list} can depend; allowed are {known} and the independent variable",
+                    variable.name
+                );
+                report.add(Rule::DependenciesKnown, unknown.place(), message);
             }
         }
+        if let Some(pair) = indices.windows(2).find(|pair| pair[0] > pair[1]) {
+            let message = format!(
+                "dependencies lists variable {} before variable {}; the indices must ascend",
+                pair[0], pair[1]
+            );
+            report.add(Rule::DependenciesOrder, unknown.place(), message);
+        }
+        self.kinds(list, unknown, report);
+    }
+
+    /// `true` if an unknown of this list may depend on a variable.
+    fn is_known(&self, list: &str, variable: &Variable<'_>) -> bool {
+        let Variable { causality, variability, initial, .. } = *variable;
+        if matches!(causality, "input" | "independent") {
+            return true;
+        }
+        if list == "InitialUnknowns" {
+            return initial == Some("exact");
+        }
+        // The standard's list of knowns does not name tunable parameters, but its equation of the outputs does.
+        if variability == "tunable" {
+            return true;
+        }
+        match &self.states {
+            Some(states) => states.contains(&variable.index),
+            None => variability == "continuous" && variable.kind == Kind::Real,
+        }
+    }
+
+    fn kinds(&self, list: &str, unknown: &Element, report: &mut Report) {
         let Some(kinds) = unknown.attribute("dependenciesKind") else { return };
-        let kinds = kinds.split_ascii_whitespace().count();
-        let Some(dependencies) = dependencies else {
+        let kinds: Vec<_> = kinds.split_ascii_whitespace().collect();
+        let Some(dependencies) = unknown.attribute("dependencies") else {
             report.add(
                 Rule::DependenciesKind,
                 unknown.place(),
@@ -108,11 +158,31 @@ impl Lists<'_> {
             return;
         };
         let dependencies = dependencies.split_ascii_whitespace().count();
-        if kinds != dependencies {
+        if kinds.len() != dependencies {
             let message = format!(
-                "dependenciesKind and dependencies need equal numbers of entries, but have {kinds} and {dependencies}"
+                "dependenciesKind and dependencies need equal numbers of entries, but have {} and {dependencies}",
+                kinds.len()
             );
             report.add(Rule::DependenciesKind, unknown.place(), message);
+        }
+        let Some(kind) = kinds.iter().find(|kind| **kind != "dependent") else { return };
+        let index = unknown.attribute("index").and_then(count).map(|index| index as usize);
+        if let Some(variable) = index.and_then(|index| self.variables.get(&index))
+            && variable.kind != Kind::Real
+        {
+            let message = format!(
+                "dependenciesKind {kind} is for Real unknowns, but {} is of kind {:?}",
+                variable.name, variable.kind
+            );
+            report.add(Rule::DependenciesKind, unknown.place(), message);
+        }
+        let late = kinds.iter().find(|kind| matches!(**kind, "fixed" | "tunable" | "discrete"));
+        if let Some(kind) = late.filter(|_| list == "InitialUnknowns") {
+            // The schema, which is normative, allows it.
+            let message = format!(
+                "dependenciesKind {kind} is not for InitialUnknowns by the standard's text, though its schema allows it"
+            );
+            report.add_as(Class::Hint, Rule::DependenciesKind, unknown.place(), message);
         }
     }
 
@@ -128,7 +198,7 @@ impl Lists<'_> {
         &self,
         found: &[usize],
         wanted: &BTreeSet<usize>,
-        (rule, list, place): (Rule, &str, &str),
+        (rule, list, place): (Rule, &str, &Place),
         report: &mut Report,
     ) {
         let found: BTreeSet<usize> = found.iter().copied().collect();
@@ -137,7 +207,7 @@ impl Lists<'_> {
             let Some(variable) = self.variables.get(index) else { continue };
             let verb = if wanted.contains(index) { "is missing" } else { "should not list" };
             let message = format!("{list} {verb} variable {index} ({})", variable.name);
-            report.add(rule, place, message);
+            report.add(rule, place.clone(), message);
         }
     }
 }

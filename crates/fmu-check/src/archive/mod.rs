@@ -5,7 +5,7 @@ mod reader;
 pub(super) use reader::{Archive, Entry};
 
 use super::report::Report;
-use super::rules::Rule;
+use super::rules::{Class, Rule};
 use rawzip::CompressionMethod;
 use std::collections::HashMap;
 use std::io;
@@ -89,8 +89,9 @@ fn header(entry: &Entry, report: &mut Report) {
         );
         report.add(Rule::ZipMethod, &entry.name, message);
     }
-    if entry.has_data_descriptor {
-        let message = "has its sizes in a data descriptor after the content; write them into the local header";
+    // Readers of a stream cannot see where stored content ends if the sizes follow it.
+    if entry.has_data_descriptor && entry.method == CompressionMethod::STORE && !entry.is_folder() {
+        let message = "is stored, and its sizes are in a data descriptor after the content (general purpose bit 3); deflate it or write the sizes into the local header";
         report.add(Rule::ZipDataDescriptor, &entry.name, message);
     }
     let kind = entry.mode.map_or(0, |mode| mode & UNIX_TYPE);
@@ -108,22 +109,23 @@ fn is_readable(method: CompressionMethod) -> bool {
 fn name(entry: &Entry, report: &mut Report) {
     let name = &entry.name;
     let drive = name.as_bytes().get(1) == Some(&b':');
-    let problem = if !entry.is_utf8 {
-        "is not in UTF-8"
-    } else if name.contains('\\') {
-        "has a backslash; folders are separated by /"
+    let has_part = |part: &str| name.trim_end_matches('/').split('/').any(|other| other == part);
+    let (class, problem) = if name.contains('\\') {
+        (Class::Violation, "has a backslash; folders are separated by /")
     } else if name.starts_with('/') || drive {
-        "is an absolute path"
-    } else if name.split('/').any(|part| part == "..") {
-        "leads out of the archive with .."
-    } else if name.trim_end_matches('/').split('/').any(|part| part.is_empty() || part == ".") {
-        "has an empty part or the part ."
+        (Class::Violation, "is an absolute path")
+    } else if has_part("..") {
+        (Class::Violation, "leads out of the archive with ..")
+    } else if !entry.is_utf8 {
+        (Class::Hint, "is not in UTF-8, so hosts read it differently")
+    } else if has_part("") || has_part(".") && name != "./" {
+        (Class::Hint, "has an empty part or the part ., which some hosts do not unpack")
     } else if name.chars().any(char::is_control) {
-        "has a control character"
+        (Class::Hint, "has a control character, which some systems do not allow")
     } else {
         return;
     };
-    report.add(Rule::ZipPath, name, format!("the name {problem}"));
+    report.add_as(class, Rule::ZipPath, name, format!("the name {problem}"));
 }
 
 /// `true` if an entry may be unpacked as a file or folder below a private folder.
@@ -132,6 +134,19 @@ pub(super) fn is_safe(entry: &Entry) -> bool {
     name(entry, &mut none);
     none.findings.is_empty()
         && entry.mode.is_none_or(|mode| matches!(mode & UNIX_TYPE, 0 | UNIX_FILE | UNIX_FOLDER))
+}
+
+/// Returns a path without `.` and `..`; `None` if it leaves the archive.
+pub(super) fn plain(path: &str) -> Option<String> {
+    let mut parts = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => drop(parts.pop()?),
+            part => parts.push(part),
+        }
+    }
+    Some(parts.join("/"))
 }
 
 fn duplicates(archive: &Archive, report: &mut Report) {
@@ -168,8 +183,8 @@ fn top_level(archive: &Archive, report: &mut Report) {
             None => entry.name == *known,
         });
         // Names that are not safe paths are reported by the rule on names.
-        if !known && is_safe(entry) {
-            let message = "is not defined by FMI 2.0 at the top level; files that the model needs belong in resources/";
+        if !known && entry.name != "./" && is_safe(entry) {
+            let message = "is not part of the structure that FMI 2.0 describes: hosts ignore it; files that the model needs belong in resources/, other data in extra/";
             report.add(Rule::ZipUnknownEntry, &entry.name, message);
         }
     }

@@ -4,7 +4,7 @@ use super::library::is_usual;
 use super::platforms::Platform;
 use crate::options::Glibc;
 use crate::report::Report;
-use crate::rules::Rule;
+use crate::rules::{Class, Rule};
 use object::elf::{DT_NEEDED, DT_RPATH, DT_RUNPATH, PF_X, PT_GNU_STACK, STB_GLOBAL, SymbolBind};
 use object::read::elf::{ElfFile, FileHeader, ProgramHeader, Sym};
 use object::{Endianness, File};
@@ -141,7 +141,7 @@ impl Versions {
     }
 }
 
-/// Reports a newer glibc than the floor asked for as a finding; if no floor is asked for, one newer than the default as
+/// Reports a newer glibc than the floor asked for as a defect; if no floor is asked for, one newer than the default as
 /// a hint.
 fn glibc(versions: &Versions, path: &str, asked: Option<Glibc>, report: &mut Report) {
     let floor = asked.unwrap_or_default();
@@ -170,10 +170,8 @@ fn glibc(versions: &Versions, path: &str, asked: Option<Glibc>, report: &mut Rep
         if symbols.is_empty() { "" } else { ", for " },
         symbols.join(", ")
     );
-    match asked {
-        Some(_) => report.add(Rule::GlibcFloor, path, message),
-        None => report.hint(Rule::GlibcFloor, path, message),
-    }
+    let class = if asked.is_some() { Class::Defect } else { Rule::GlibcFloor.class() };
+    report.add_as(class, Rule::GlibcFloor, path, message);
 }
 
 fn undefined<Elf: FileHeader<Endian = Endianness>>(

@@ -3,7 +3,7 @@
 use super::functions::FUNCTIONS;
 use super::platforms::Platform;
 use super::{MOST_BYTES, elf};
-use crate::archive::{Archive, Entry};
+use crate::archive::{Archive, Entry, plain};
 use crate::options::Glibc;
 use crate::report::Report;
 use crate::rules::Rule;
@@ -167,8 +167,7 @@ impl PlatformLibrary<'_> {
     /// Returns another library at the places where the loader searches.
     fn found(&self, file: &File<'_>, name: &str) -> Option<&Entry> {
         elf::search_folders(file).iter().find_map(|folder| {
-            self.archive
-                .find(&resolved(&format!("binaries/{}{folder}/{name}", self.platform.folder))?)
+            self.archive.find(&plain(&format!("binaries/{}{folder}/{name}", self.platform.folder))?)
         })
     }
 
@@ -185,19 +184,6 @@ impl PlatformLibrary<'_> {
         .ok()?;
         Some(names)
     }
-}
-
-/// Returns a path without `.` and `..`; `None` if it leaves the archive.
-fn resolved(path: &str) -> Option<String> {
-    let mut parts = Vec::new();
-    for part in path.split('/') {
-        match part {
-            "" | "." => {}
-            ".." => drop(parts.pop()?),
-            part => parts.push(part),
-        }
-    }
-    Some(parts.join("/"))
 }
 
 /// `true` if a name is no longer than the names that compilers make; longer names are ignored.

@@ -34,7 +34,7 @@ pub(super) static PLATFORMS: &[Platform] = &[
         format: BinaryFormat::Pe,
         processors: &[Architecture::I386],
     },
-    // FMI 2.0 does not name the processor of darwin64; current ones are of two kinds.
+    // FMI 2.0.4 says that darwin64 is for x86; before, the processor was open, and libraries for both are common.
     Platform {
         folder: "darwin64",
         extension: "dylib",
@@ -46,6 +46,12 @@ pub(super) static PLATFORMS: &[Platform] = &[
         extension: "dylib",
         format: BinaryFormat::MachO,
         processors: &[Architecture::I386],
+    },
+    Platform {
+        folder: "aarch64-darwin",
+        extension: "dylib",
+        format: BinaryFormat::MachO,
+        processors: &[Architecture::Aarch64],
     },
 ];
 
@@ -66,71 +72,18 @@ const LINUX: [&str; 13] = [
     "ld-linux.so.2",
 ];
 
-/// Libraries that every Windows 10 has.
-const WINDOWS: &[&str] = &[
-    "advapi32.dll",
-    "bcrypt.dll",
-    "bcryptprimitives.dll",
-    "cfgmgr32.dll",
-    "combase.dll",
-    "comctl32.dll",
-    "comdlg32.dll",
-    "credui.dll",
-    "crypt32.dll",
-    "d3d11.dll",
-    "dbghelp.dll",
-    "dnsapi.dll",
-    "dwmapi.dll",
-    "dxgi.dll",
-    "gdi32.dll",
-    "gdiplus.dll",
-    "hid.dll",
-    "imm32.dll",
-    "iphlpapi.dll",
-    "kernel32.dll",
-    "kernelbase.dll",
-    "mpr.dll",
-    "mscoree.dll",
-    "msi.dll",
-    "msimg32.dll",
-    "msvcrt.dll",
-    "mswsock.dll",
-    "ncrypt.dll",
-    "netapi32.dll",
-    "normaliz.dll",
-    "ntdll.dll",
-    "odbc32.dll",
-    "ole32.dll",
-    "oleacc.dll",
-    "oleaut32.dll",
-    "opengl32.dll",
-    "pdh.dll",
-    "powrprof.dll",
-    "propsys.dll",
-    "psapi.dll",
-    "rpcrt4.dll",
-    "secur32.dll",
-    "setupapi.dll",
-    "shcore.dll",
-    "shell32.dll",
-    "shlwapi.dll",
-    "ucrtbase.dll",
-    "urlmon.dll",
-    "user32.dll",
-    "userenv.dll",
-    "usp10.dll",
-    "uxtheme.dll",
-    "version.dll",
-    "winhttp.dll",
-    "wininet.dll",
-    "winmm.dll",
-    "winspool.drv",
-    "wintrust.dll",
-    "wldap32.dll",
-    "ws2_32.dll",
-    "wsock32.dll",
-    "wtsapi32.dll",
-];
+/// Libraries of Windows with functions for programs, one a line: those from which the crate `windows-sys` 0.61.2 imports.
+/// Microsoft generates that crate from its description of all interfaces of Windows, so no one needs to remember them.
+/// This command, run in the folder of the crate's sources, writes the list:
+///
+/// ```sh
+/// grep -rhoE '"[A-Za-z0-9._-]+\.(dll|drv|cpl|ocx)"' src | tr -d '"' | tr A-Z a-z | grep -vE '^(api|ext)-ms-' | LC_ALL=C sort -u
+/// ```
+const WINDOWS: &str = include_str!("windows_libraries.txt");
+
+/// Libraries of every Windows that `windows-sys` leaves out: runtimes of C, and interfaces of classes, not of functions.
+const WINDOWS_MORE: [&str; 6] =
+    ["d3d11.dll", "dxgi.dll", "msvcrt.dll", "shcore.dll", "ucrtbase.dll", "wsock32.dll"];
 
 impl Platform {
     pub(super) fn of(folder: &str) -> Option<&'static Self> {
@@ -143,28 +96,31 @@ impl Platform {
             BinaryFormat::Elf => LINUX.contains(&library),
             BinaryFormat::Pe => {
                 let library = library.to_ascii_lowercase();
-                WINDOWS.contains(&library.as_str())
-                    || library.starts_with("api-ms-win-")
-                    || library.starts_with("ext-ms-win-")
+                // The names in front are those of API sets, which Windows resolves to its libraries.
+                ["api-ms-", "ext-ms-"].iter().any(|set| library.starts_with(set))
+                    || WINDOWS_MORE.contains(&library.as_str())
+                    || WINDOWS.lines().any(|known| known == library)
             }
             _ => library.starts_with("/usr/lib/") || library.starts_with("/System/Library/"),
         }
     }
 }
 
-/// The folder of the system that this program runs on, where FMI 2.0 has one.
-pub(crate) const HOST: Option<&str> = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-    Some("linux64")
+/// The folders of the system that this program runs on, the preferred one first; none if FMI 2.0 has none.
+pub(crate) const HOST: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    &["linux64"]
 } else if cfg!(all(target_os = "linux", target_arch = "x86")) {
-    Some("linux32")
+    &["linux32"]
 } else if cfg!(all(windows, target_arch = "x86_64")) {
-    Some("win64")
+    &["win64"]
 } else if cfg!(all(windows, target_arch = "x86")) {
-    Some("win32")
+    &["win32"]
+} else if cfg!(all(target_os = "macos", target_arch = "aarch64")) {
+    &["aarch64-darwin", "darwin64"]
 } else if cfg!(target_os = "macos") {
-    Some("darwin64")
+    &["darwin64"]
 } else {
-    None
+    &[]
 };
 
 #[cfg(test)]
@@ -177,6 +133,10 @@ mod tests {
         for (folder, own, other) in [
             ("linux64", "libm.so.6", "libgfortran.so.5"),
             ("win64", "KERNEL32.dll", "libgcc_s_seh-1.dll"),
+            ("win64", "IMAGEHLP.DLL", "imagehlp2.dll"),
+            ("win32", "dhcpcsvc.DLL", "dhcp.dll"),
+            ("win64", "msvcrt.dll", "msvcr120.dll"),
+            ("win64", "ext-ms-win-gdi-print-l1-1-0.dll", "python3.dll"),
             ("win64", "api-ms-win-crt-math-l1-1-0.dll", "api.dll"),
             ("darwin64", "/usr/lib/libSystem.B.dylib", "/usr/local/lib/libgcc_s.1.dylib"),
             (

@@ -24,6 +24,49 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
         report.add(Rule::IndependentVariable, variable.element.place(), message);
     }
     aliases::examine(&description.variables, report);
+    exchange(description, report);
+}
+
+/// Examines the attributes that only model exchange knows (FMI 2.0, section 2.2.7).
+fn exchange(description: &Description<'_>, report: &mut Report) {
+    const MULTIPLE: &str = "canHandleMultipleSetPerTimeInstant";
+    let is_exchange = description.root.child("ModelExchange").is_some();
+    for scalar in description.root.below("ModelVariables") {
+        if scalar.attribute(MULTIPLE).is_none() {
+            continue;
+        }
+        let name = scalar.attribute("name").unwrap_or("a variable");
+        let problem = if !is_exchange {
+            "only FMUs for model exchange may have"
+        } else if scalar.attribute("causality") != Some("input") {
+            "only inputs may have"
+        } else {
+            continue;
+        };
+        let message = format!("{name} has the attribute {MULTIPLE}, which {problem}");
+        report.add(Rule::MultipleSet, scalar.place(), message);
+    }
+    let states = description.states();
+    for variable in &description.variables {
+        let Variable { name, causality, .. } = *variable;
+        let is_state = states.as_ref().is_some_and(|states| states.contains(&variable.index));
+        if is_state && !matches!(causality, "local" | "output") {
+            let message =
+                format!("{name} is a continuous-time state but has causality {causality}");
+            report.add(Rule::StateCausality, variable.element.place(), message);
+        }
+        let problem = if variable.element.attribute("reinit").is_none() {
+            continue;
+        } else if !is_exchange {
+            "only FMUs for model exchange may have"
+        } else if states.is_some() && !is_state {
+            "only continuous-time states may have"
+        } else {
+            continue;
+        };
+        let message = format!("{name} has the attribute reinit, which {problem}");
+        report.add(Rule::Reinit, variable.element.place(), message);
+    }
 }
 
 /// Examines the combination of causality, variability and initial (FMI 2.0, section 2.2.7).

@@ -3,7 +3,8 @@
 use crate::description::Description;
 use crate::report::Report;
 use crate::rules::Rule;
-use std::collections::HashSet;
+use crate::xml::Element;
+use std::collections::{HashMap, HashSet};
 
 pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
     let structured = description.root.attribute("variableNamingConvention") == Some("structured");
@@ -27,6 +28,39 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
             report.add(Rule::NameFlat, scalar.place(), message);
         }
     }
+    if structured {
+        arrays(description.root.below("ModelVariables"), report);
+    }
+}
+
+/// Examines the order of arrays: their elements follow each other, those of the last index first.
+fn arrays(scalars: &[Element], report: &mut Report) {
+    let mut last: HashMap<&str, (usize, Vec<u64>)> = HashMap::new();
+    let mut told = HashSet::new();
+    for (place, scalar) in scalars.iter().enumerate() {
+        let Some((array, indices)) = scalar.attribute("name").and_then(element) else { continue };
+        let Some((before, earlier)) = last.insert(array, (place, indices.clone())) else {
+            continue;
+        };
+        let problem = if before + 1 != place {
+            "are not consecutive"
+        } else if indices < earlier {
+            "are not in the order of their indices"
+        } else {
+            continue;
+        };
+        if told.insert(array) {
+            let message = format!("the elements of {array} {problem}");
+            report.add(Rule::ArrayOrder, scalar.place(), message);
+        }
+    }
+}
+
+/// Returns the array and the indices of a name such as `a.b[1,2]`.
+fn element(name: &str) -> Option<(&str, Vec<u64>)> {
+    let (array, indices) = name.strip_suffix(']')?.rsplit_once('[')?;
+    let indices = indices.split(',').map(|index| index.trim().parse().ok());
+    Some((array, indices.collect::<Option<_>>()?))
 }
 
 /// `true` if a name follows the grammar of structured names (FMI 2.0, section 2.2.9).

@@ -1,6 +1,8 @@
 //! The schema of FMI 2.0 as tables: the attributes of elements, and their children in order.
 
-use super::values::Type::{self, Boolean, Count, Counts, Double, Integer, Text, Word, Words};
+use super::values::Type::{
+    self, Boolean, Count, Counts, Double, Integer, Moment, Text, Word, Words,
+};
 
 /// An element of the schema, identified by the last names of its path.
 pub(super) struct ElementKind {
@@ -69,7 +71,7 @@ pub(super) static ELEMENTS: &[ElementKind] = &[
             ("copyright", Text, false),
             ("license", Text, false),
             ("generationTool", Text, false),
-            ("generationDateAndTime", Text, false),
+            ("generationDateAndTime", Moment, false),
             ("variableNamingConvention", Word(&["flat", "structured"]), false),
             ("numberOfEventIndicators", Count, false),
         ],

@@ -6,7 +6,7 @@
 //! such files are small. It does not give the encoding that a file states either.
 
 use super::PATH;
-use crate::report::Report;
+use crate::report::{Place, Report};
 use crate::rules::Rule;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
@@ -44,8 +44,8 @@ impl Element {
     }
 
     /// Path of the file and line of the element.
-    pub(crate) fn place(&self) -> String {
-        format!("{PATH}:{}", self.line)
+    pub(crate) fn place(&self) -> Place {
+        Place::line(PATH, self.line)
     }
 }
 
@@ -59,7 +59,7 @@ pub(crate) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
     let text = match std::str::from_utf8(bytes) {
         Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text),
         Err(error) => {
-            let place = format!("{PATH}:{}", line(&bytes[..error.valid_up_to()]));
+            let place = Place::line(PATH, line(&bytes[..error.valid_up_to()]));
             report.add(Rule::XmlEncoding, place, "is not in UTF-8 from this line on");
             return None;
         }
@@ -69,7 +69,7 @@ pub(crate) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
             || matches!(c, '\u{fffe}' | '\u{ffff}')
     };
     if let Some(at) = text.find(illegal) {
-        let place = format!("{PATH}:{}", line(&text.as_bytes()[..at]));
+        let place = Place::line(PATH, line(&text.as_bytes()[..at]));
         report.add(Rule::XmlMalformed, place, "contains a character that XML 1.0 does not allow");
         return None;
     }
@@ -78,7 +78,7 @@ pub(crate) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
     match parser.run(report) {
         Ok(()) => parser.root,
         Err((rule, message)) => {
-            let place = format!("{PATH}:{}", parser.counted.1);
+            let place = Place::line(PATH, parser.counted.1);
             report.add(rule, place, message);
             None
         }
@@ -105,6 +105,7 @@ impl Parser<'_> {
     fn run(&mut self, report: &mut Report) -> Result<(), Problem> {
         let mut reader = Reader::from_str(self.text);
         reader.config_mut().check_comments = true;
+        let mut declares_encoding = false;
         loop {
             let before = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX);
             self.count_to(before);
@@ -160,10 +161,11 @@ impl Parser<'_> {
                     }
                     if let Some(encoding) = declaration.encoding() {
                         let encoding = encoding.map_err(malformed)?;
+                        declares_encoding = true;
                         if !encoding.eq_ignore_ascii_case("UTF-8") {
                             let message =
                                 format!("declares the encoding {encoding}; FMI requires UTF-8");
-                            report.add(Rule::XmlEncoding, format!("{PATH}:1"), message);
+                            report.add(Rule::XmlEncoding, Place::line(PATH, 1), message);
                         }
                     }
                 }
@@ -186,6 +188,10 @@ impl Parser<'_> {
         }
         if self.root.is_none() {
             return Err(malformed("the file contains no element"));
+        }
+        if !declares_encoding {
+            let message = "declares no encoding; the first line must be <?xml version=\"1.0\" encoding=\"UTF-8\"?>";
+            report.add(Rule::XmlEncoding, Place::line(PATH, 1), message);
         }
         Ok(())
     }

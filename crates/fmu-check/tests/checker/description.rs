@@ -1,12 +1,14 @@
 //! Model descriptions that break one rule.
 
-use super::fmu::{assert_breaks, sound};
+use super::fmu::{Files, assert_breaks, sound};
 
 const EDITS: &[(&str, &str, &str)] = &[
     ("xml-malformed", "</ModelStructure>", ""),
     ("xml-malformed", "name=\"rate\"", "name=\"rate\" name=\"rate\""),
     ("xml-malformed", "a &lt; b", "a &nonsense; b"),
     ("xml-encoding", "encoding=\"UTF-8\"", "encoding=\"ISO-8859-1\""),
+    ("xml-encoding", " encoding=\"UTF-8\"", ""),
+    ("xml-encoding", "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n", ""),
     ("xml-dtd", "<fmiModelDescription", "<!DOCTYPE a [<!ENTITY b \"c\">]><fmiModelDescription"),
     ("fmi-version", "fmiVersion=\"2.0\"", "fmiVersion=\"2.0.4\""),
     ("fmi-version", "fmiVersion=\"2.0\"", "fmiVersion=\"3.0\""),
@@ -27,7 +29,9 @@ const EDITS: &[(&str, &str, &str)] = &[
     ("not-finite", "factor=\"1000\"", "factor=\"1e999\""),
     ("guid-empty", "guid=\"{4c1c4b2e-58d6-4c25-8b0e-2f0a3f1f6f11}\"", "guid=\"\""),
     ("generation-date", "23:59:59Z", "23:59:59+01:00"),
-    ("generation-date", "2024-12-31T", "2024-13-31T"),
+    ("generation-date", "23:59:59Z", "23:59:59"),
+    ("attribute-value", "2024-12-31T", "2024-13-31T"),
+    ("tool-duplicate", "<Tool name=\"a tool\">", "<Tool name=\"a tool\"/><Tool name=\"a tool\">"),
     ("capability-flags", "canGetAndSetFMUstate=\"true\" ", ""),
     ("source-file-missing", "\"decay.c\"", "\"other.c\""),
     ("default-experiment", "stopTime=\"1\"", "stopTime=\"0\""),
@@ -40,6 +44,11 @@ const EDITS: &[(&str, &str, &str)] = &[
         "display-unit-undeclared",
         "<Real unit=\"m\" displayUnit=\"mm\"/>",
         "<Real unit=\"m\" displayUnit=\"cm\"/>",
+    ),
+    (
+        "display-unit-without-unit",
+        "<Real start=\"0.25\"",
+        "<Real displayUnit=\"mm\" start=\"0.25\"",
     ),
     (
         "type-duplicate",
@@ -55,8 +64,8 @@ const EDITS: &[(&str, &str, &str)] = &[
     ("name-structured", "name=\"module[1].u\"", "name=\"module 1.u\""),
     (
         "causality-variability",
-        "causality=\"output\" variability=\"continuous\" initial=\"calculated\"",
-        "causality=\"output\" variability=\"fixed\" initial=\"calculated\"",
+        "name=\"count\" valueReference=\"0\" causality=\"output\" variability=\"discrete\"",
+        "name=\"count\" valueReference=\"0\" causality=\"output\" variability=\"fixed\"",
     ),
     (
         "causality-variability",
@@ -65,8 +74,8 @@ const EDITS: &[(&str, &str, &str)] = &[
     ),
     (
         "causality-variability",
-        "causality=\"parameter\" variability=\"tunable\"",
-        "causality=\"parameter\" variability=\"continuous\"",
+        "causality=\"parameter\" variability=\"fixed\" initial=\"exact\"",
+        "causality=\"parameter\" variability=\"discrete\" initial=\"exact\"",
     ),
     (
         "continuous-not-real",
@@ -101,7 +110,20 @@ const EDITS: &[(&str, &str, &str)] = &[
     ("bounds-order", "min=\"0\" max=\"5\"", "min=\"5\" max=\"0\""),
     ("bounds-order", "min=\"-10\" max=\"10\"", "min=\"10\" max=\"-10\""),
     ("nominal-value", "nominal=\"0.5\"", "nominal=\"0\""),
-    ("alias-settable", "name=\"rate\" valueReference=\"4\"", "name=\"rate\" valueReference=\"3\""),
+    (
+        "alias-settable",
+        "name=\"rate\" valueReference=\"4\" causality=\"parameter\" variability=\"tunable\" initial=\"exact\">\n      <Real start",
+        "name=\"rate\" valueReference=\"3\" causality=\"parameter\" variability=\"tunable\" initial=\"exact\">\n      <Real unit=\"m\" start",
+    ),
+    // What can be set, and the independent variable.
+    ("alias-settable", "name=\"time\" valueReference=\"0\"", "name=\"time\" valueReference=\"4\""),
+    (
+        "alias-constant",
+        "name=\"position\" valueReference=\"1\">\n      <Real unit=\"m\" displayUnit=\"mm\"/>",
+        "name=\"position\" valueReference=\"5\">\n      <Real/>",
+    ),
+    ("alias-constant", "name=\"rate\" valueReference=\"4\"", "name=\"rate\" valueReference=\"5\""),
+    ("alias-unit", "<Real unit=\"m\" displayUnit=\"mm\"/>", "<Real/>"),
     ("alias-unit", "<Real unit=\"m\" displayUnit=\"mm\"/>", "<Real unit=\"m/s\"/>"),
     (
         "alias-start",
@@ -117,6 +139,16 @@ const EDITS: &[(&str, &str, &str)] = &[
         "derivative-index",
         "<Real unit=\"m/s\" derivative=\"2\"/>",
         "<Real unit=\"m/s\" derivative=\"3\"/>",
+    ),
+    (
+        "reinit",
+        "<Real declaredType=\"Length\"/>",
+        "<Real declaredType=\"Length\" reinit=\"true\"/>",
+    ),
+    (
+        "multiple-set",
+        "causality=\"input\" variability=\"continuous\"",
+        "causality=\"input\" variability=\"continuous\" canHandleMultipleSetPerTimeInstant=\"false\"",
     ),
     (
         "unknown-index",
@@ -139,7 +171,11 @@ const EDITS: &[(&str, &str, &str)] = &[
         "<Unknown index=\"3\" dependencies=\"2\"/>",
         "<Unknown index=\"3\"/><Unknown index=\"4\"/>",
     ),
-    ("initial-unknowns-list", "      <Unknown index=\"3\"/>\n", ""),
+    (
+        "initial-unknowns-list",
+        "      <Unknown index=\"6\"/>\n      <Unknown index=\"8\"/>\n",
+        "      <Unknown index=\"8\"/>\n",
+    ),
     (
         "initial-unknowns-list",
         "      <Unknown index=\"3\"/>\n",
@@ -151,6 +187,26 @@ const EDITS: &[(&str, &str, &str)] = &[
         "      <Unknown index=\"3\"/>\n      <Unknown index=\"2\"/>\n",
     ),
     ("dependencies-index", "dependencies=\"2\"", "dependencies=\"0\""),
+    // A fixed parameter, and an output that cannot be a state.
+    ("dependencies-known", "dependencies=\"2\"", "dependencies=\"7\""),
+    ("dependencies-known", "dependencies=\"\"", "dependencies=\"6\""),
+    // At the start, a variable that is computed.
+    (
+        "dependencies-known",
+        "      <Unknown index=\"3\"/>\n",
+        "      <Unknown index=\"3\" dependencies=\"2\"/>\n",
+    ),
+    (
+        "dependencies-order",
+        "dependencies=\"4 5\" dependenciesKind=\"dependent constant\"",
+        "dependencies=\"5 4\"",
+    ),
+    // Only Real unknowns depend in a particular way.
+    (
+        "dependencies-kind",
+        "<Unknown index=\"8\" dependencies=\"\"/>",
+        "<Unknown index=\"8\" dependencies=\"4\" dependenciesKind=\"constant\"/>",
+    ),
     (
         "dependencies-kind",
         "dependenciesKind=\"dependent constant\"",
@@ -169,13 +225,104 @@ fn each_fault_of_a_model_description_is_found_by_its_rule_alone() {
 }
 
 #[test]
+fn elements_of_arrays_follow_each_other_in_order() {
+    let named = |names: [&str; 3]| {
+        let mut files = sound();
+        for (old, new) in ["position", "gravity", "g"].iter().zip(names) {
+            files = files.edit(&format!("name=\"{old}\""), &format!("name=\"{new}\""));
+        }
+        files
+    };
+    for names in [["a[1]", "b", "a[2]"], ["a[2]", "a[1]", "b"], ["a[1,2]", "a[1,10]", "a[1,3]"]] {
+        assert_breaks("array-order", &named(names).pack(), &["--no-run"]);
+    }
+    for names in [["a[0]", "a[1]", "a[10]"], ["a[1].x", "b", "a[2].x"], ["a[1,2]", "a[2,1]", "b"]] {
+        assert_eq!(super::fmu::check(&named(names).pack(), &["--no-run"]).1, "");
+    }
+}
+
+#[test]
+fn an_fmu_for_model_exchange_may_tell_what_only_that_knows() {
+    let both = sound()
+        .edit("  <CoSimulation", "  <ModelExchange modelIdentifier=\"decay\"/>\n  <CoSimulation");
+    let (state, input) =
+        ("<Real declaredType=\"Length\"/>", "causality=\"input\" variability=\"continuous\"");
+    let sound = both
+        .clone()
+        .edit(state, "<Real declaredType=\"Length\" reinit=\"true\"/>")
+        .edit(input, &format!("{input} canHandleMultipleSetPerTimeInstant=\"false\""));
+    assert_eq!(super::fmu::check(&sound.pack(), &["--no-run"]).1, "");
+    let position = "<Real unit=\"m\" displayUnit=\"mm\"/>";
+    let local = both.clone().edit(position, &position.replace("/>", " reinit=\"false\"/>"));
+    assert_breaks("reinit", &local.pack(), &["--no-run"]);
+    let parameter = "causality=\"parameter\" variability=\"tunable\"";
+    let other = both
+        .clone()
+        .edit(parameter, &format!("{parameter} canHandleMultipleSetPerTimeInstant=\"true\""));
+    assert_breaks("multiple-set", &other.pack(), &["--no-run"]);
+    // With model exchange, its states and derivatives are unknowns at the start.
+    let lacking = both.edit("      <Unknown index=\"3\"/>\n", "");
+    assert_breaks("initial-unknowns-list", &lacking.pack(), &["--no-run"]);
+}
+
+#[test]
+fn derivatives_that_co_simulation_ignores_need_not_be_initial_unknowns() {
+    let derivative = "      <Unknown index=\"3\"/>\n";
+    assert_eq!(super::fmu::check(&sound().edit(derivative, "").pack(), &["--no-run"]).1, "");
+    let used = with_derivatives().edit(derivative, "");
+    assert_breaks("initial-unknowns-list", &used.pack(), &["--no-run"]);
+}
+
+#[test]
+fn where_the_text_and_the_schema_differ_there_is_a_hint() {
+    let unknown = "      <Unknown index=\"3\"/>\n";
+    let fixed = unknown.replace("/>", " dependencies=\"4\" dependenciesKind=\"fixed\"/>");
+    let (code, printed) = super::fmu::check(&sound().edit(unknown, &fixed).pack(), &["--no-run"]);
+    assert!(code == 0 && printed.starts_with("hint: dependencies-kind "), "{printed}");
+}
+
+#[test]
+fn states_that_are_not_told_may_be_depended_on() {
+    let derivatives =
+        "    <Derivatives>\n      <Unknown index=\"3\" dependencies=\"2\"/>\n    </Derivatives>\n";
+    let untold = sound()
+        .edit(derivatives, "")
+        .edit("      <Unknown index=\"3\"/>\n", "")
+        .edit("dependencies=\"\"", "dependencies=\"10\"");
+    assert_eq!(super::fmu::check(&untold.pack(), &["--no-run"]).1, "");
+}
+
+/// The sound FMU, whose list of derivatives has a meaning.
+fn with_derivatives() -> Files {
+    let flag = "canHandleVariableCommunicationStepSize=\"true\"";
+    sound().edit(flag, &format!("{flag} providesDirectionalDerivative=\"true\""))
+}
+
+#[test]
+fn states_are_what_the_list_of_derivatives_says() {
+    let parameter = with_derivatives().edit("derivative=\"2\"", "derivative=\"5\"").edit(
+        "<Unknown index=\"3\" dependencies=\"2\"/>",
+        "<Unknown index=\"3\" dependencies=\"5\"/>",
+    );
+    assert_breaks("state-causality", &parameter.pack(), &["--no-run"]);
+    let local = with_derivatives().edit("dependencies=\"\"", "dependencies=\"10\"");
+    assert_breaks("dependencies-known", &local.pack(), &["--no-run"]);
+    // Where the list is ignored, the local variable may be a state.
+    let local = sound().edit("dependencies=\"\"", "dependencies=\"10\"");
+    assert_eq!(super::fmu::check(&local.pack(), &["--no-run"]).1, "");
+}
+
+#[test]
 fn a_finding_says_the_line() {
     let printed = assert_breaks(
         "start-outside-bounds",
         &sound().edit("start=\"1.5\"", "start=\"9\"").pack(),
         &["--no-run"],
     );
-    assert!(printed.starts_with("start-outside-bounds modelDescription.xml:49: "), "{printed}");
+    assert!(
+        printed.starts_with("violation: start-outside-bounds modelDescription.xml:49: "),
+        "{printed}"
+    );
 }
 
 #[test]

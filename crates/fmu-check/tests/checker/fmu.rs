@@ -1,6 +1,7 @@
 //! A sound FMU of another maker, and how it is broken: a model description and a library of one C file.
 
 use super::program::{folder, run, text};
+use fmu_check::{Class, Rule};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -105,17 +106,16 @@ pub fn check(fmu: &[u8], arguments: &[&str]) -> (i32, String) {
     (output.status.code().unwrap(), text(&output.stdout))
 }
 
-/// The rules that findings name.
+/// The rules that findings of any class name.
 pub fn rules(printed: &str) -> BTreeSet<&str> {
-    let is_finding = |line: &&str| !["note: ", "hint: "].iter().any(|word| line.starts_with(word));
-    let findings = printed.lines().filter(is_finding);
-    findings.map(|line| line.split_once(' ').unwrap().0).collect()
+    let findings = printed.lines().filter(|line| !line.starts_with("note: "));
+    findings.map(|line| line.split(' ').nth(1).unwrap()).collect()
 }
 
 /// Names a folder in which all broken FMUs are kept.
 pub const KEEP: &str = "KEEP_BROKEN_FMUS";
 
-/// An FMU must break this rule and no other; what is printed of it.
+/// An FMU must break this rule and no other, and the exit code must be that of the rule's class; what is printed of it.
 pub fn assert_breaks(rule: &str, fmu: &[u8], arguments: &[&str]) -> String {
     if let Some(folder) = std::env::var_os(KEEP) {
         let mut hasher = DefaultHasher::new();
@@ -125,6 +125,16 @@ pub fn assert_breaks(rule: &str, fmu: &[u8], arguments: &[&str]) -> String {
     }
     let (code, printed) = check(fmu, arguments);
     assert_eq!(rules(&printed), BTreeSet::from([rule]), "{rule} was to be broken: {printed}");
-    assert_eq!(code, 1);
+    let class = Rule::named(rule).unwrap().class();
+    let wanted = match class {
+        Class::Violation => 1,
+        Class::Defect => 3,
+        Class::Hint => 0,
+    };
+    assert_eq!(code, wanted, "{printed}");
+    let lines = printed.lines().filter(|line| !line.starts_with("note: "));
+    for line in lines {
+        assert!(line.starts_with(&format!("{class}: {rule} ")), "{printed}");
+    }
     printed
 }

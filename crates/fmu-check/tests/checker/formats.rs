@@ -21,7 +21,7 @@ fn word(length: usize) -> u32 {
 }
 
 /// A library for 64-bit Windows (Microsoft's PE format) that exports and needs these.
-fn pe(exports: &[String], needed: &[&str]) -> Vec<u8> {
+pub fn pe(exports: &[String], needed: &[&str]) -> Vec<u8> {
     const BASE: usize = 0x1000;
     let (tables, count) = (40, exports.len());
     let imports = tables + 10 * count;
@@ -69,11 +69,11 @@ fn pe(exports: &[String], needed: &[&str]) -> Vec<u8> {
     bytes
 }
 
-const X86_64: u32 = 0x0100_0007;
-const ARM64: u32 = 0x0100_000c;
+pub const X86_64: u32 = 0x0100_0007;
+pub const ARM64: u32 = 0x0100_000c;
 
 /// A library for macOS (Apple's Mach-O format) that exports and needs these.
-fn macho(processor: u32, exports: &[String], needed: &[&str]) -> Vec<u8> {
+pub fn macho(processor: u32, exports: &[String], needed: &[&str]) -> Vec<u8> {
     let mut commands = Vec::new();
     for library in needed {
         let size = (24 + library.len() + 8) / 8 * 8;
@@ -128,7 +128,7 @@ fn mac(library: &[u8]) -> Files {
     sound().add(DARWIN64, library)
 }
 
-fn assert_passes(fmu: &Files) {
+pub fn assert_passes(fmu: &Files) {
     let (code, printed) = check(&fmu.pack(), &["--no-run"]);
     assert_eq!((code, rules(&printed)), (0, [].into()), "{printed}");
     assert!(printed.contains("is read but not run"), "{printed}");

@@ -3,9 +3,11 @@
 
 mod archive;
 mod description;
+mod exporters;
 mod fmu;
 mod formats;
 mod libraries;
+mod outputs;
 mod processes;
 #[path = "../../../../tests/support/program.rs"]
 mod program;

@@ -3,7 +3,7 @@
 use crate::fmu::{KEEP, PROGRAM, check, sound};
 use crate::program::{assert_refused, folder, run, text};
 use crate::python;
-use fmu_check::Rule;
+use fmu_check::{Class, Rule};
 use std::fs;
 use std::process::Command;
 
@@ -19,22 +19,58 @@ fn all_rules_are_listed() {
     let help = text(&run(PROGRAM, folder.path(), &["--help"]).stdout);
     assert_eq!(listed.lines().count(), Rule::ALL.len());
     for (line, rule) in listed.lines().zip(Rule::ALL) {
-        let (id, what) = line.split_once(' ').unwrap();
-        assert_eq!((id, what.trim_start()), (rule.id(), rule.line()));
+        let mut words = line.split_ascii_whitespace();
+        let (section, since) = (rule.section().unwrap_or("-"), rule.since().unwrap_or("-"));
+        for word in [rule.id(), rule.class().word(), section, since] {
+            assert_eq!(words.next(), Some(word), "{line}");
+        }
+        assert!(line.ends_with(rule.line()), "{line}");
         assert!(help.contains(line), "{line}");
     }
 }
 
 #[test]
 fn every_rule_has_an_fmu_that_breaks_it() {
-    let tests =
-        [include_str!("archive.rs"), include_str!("description.rs"), include_str!("libraries.rs")];
+    let tests = [
+        include_str!("archive.rs"),
+        include_str!("description.rs"),
+        include_str!("exporters.rs"),
+        include_str!("libraries.rs"),
+    ];
     for rule in Rule::ALL {
         let name = format!("\"{}\"", rule.id());
         assert!(
             tests.iter().any(|test| test.contains(&name)),
             "no test has {name}, with the quotes"
         );
+    }
+}
+
+const PAGE: &str = include_str!("../../../../docs/checking-rules.md");
+
+#[test]
+fn the_page_of_rules_has_each_with_its_class_and_section() {
+    let rows = Rule::ALL.iter().map(|rule| {
+        let (section, since) = (rule.section().unwrap_or("-"), rule.since().unwrap_or("-"));
+        let (id, class, line) = (rule.id(), rule.class(), rule.line());
+        format!("| `{id}` | {class} | {section} | {since} | {line} |\n")
+    });
+    let table: String = rows.collect();
+    assert!(PAGE.contains(&table), "docs/checking-rules.md must have this table:\n{table}");
+}
+
+#[test]
+fn the_page_of_rules_says_for_every_violation_which_sentence_it_breaks() {
+    let (_, sentences) = PAGE.split_once("## What the standard asks").unwrap();
+    let named = |rule: &Rule| sentences.contains(&format!("`{}`", rule.id()));
+    for rule in Rule::ALL.iter().filter(|rule| rule.class() == Class::Violation) {
+        assert!(named(rule), "docs/checking-rules.md has no sentence for {}", rule.id());
+    }
+    // Nor does it name a rule that is none.
+    for cell in sentences.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").nth(1)) {
+        for id in cell.split('`').skip(1).step_by(2) {
+            assert!(Rule::named(id).is_some(), "{id} in docs/checking-rules.md is no rule");
+        }
     }
 }
 
