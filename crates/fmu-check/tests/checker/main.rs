@@ -14,3 +14,4 @@ mod program;
 #[path = "../../../../tests/support/python/mod.rs"]
 mod python;
 mod rules;
+mod survey;
