@@ -2,7 +2,8 @@
 //! command among others.
 
 use crate::output::{self, Examined};
-use crate::{Class, Error, Format, Glibc, Options, Report, Rule, Run, Watch, check, run_library};
+use crate::run::{Task, Trial, run_library};
+use crate::{Class, Error, Format, Glibc, Options, Report, Rule, Run, Watch, check};
 use clap::Args;
 use std::fmt::Write as _;
 use std::io::{self, Write as _, stdout};
@@ -14,7 +15,7 @@ const NOTES: &str = "Exit codes: 0 nothing but hints and notes, 1 at least one v
 several FMUs the gravest counts: 2, then 1, 3, 4. Each finding is one line: its class, the rule, the file (and line), \
 what is wrong, and the section of the standard. A \"violation\" contradicts a sentence of FMI 2.0; a \"defect\" makes the \
 FMU fail; a \"hint\" names what the standard recommends or what is wrong on some hosts only. A line that begins with \
-\"note:\" says what could not be examined.\n\nThe library runs in a process of its own with limits on time, memory \
+\"note:\" says what could not be examined.\n\nThe library runs in processes of their own with limits on time, memory \
 and file size. This is not a sandbox: the library can do whatever its user can. With --no-run, files are only read \
 and the library is not run.";
 
@@ -34,10 +35,13 @@ pub struct Arguments {
     /// Only read files; do not run the library
     #[arg(long)]
     no_run: bool,
-    /// Time limit of the run, s
+    /// Time limit of each trial of the library, s
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = clap::value_parser!(u64).range(1..=86400),
         conflicts_with = "no_run")]
     timeout: u64,
+    /// Do not run the library under valgrind, which is done where it is installed
+    #[arg(long, conflicts_with = "no_run")]
+    no_valgrind: bool,
     /// The newest glibc that a Linux library may need; one that needs a newer version is then a defect. Without this
     /// option, a library that needs a newer one than 2.17 gets a hint
     #[arg(long, value_name = "VERSION")]
@@ -53,8 +57,12 @@ pub struct LibraryRun {
     folder: PathBuf,
     library: String,
     timeout: u64,
-    #[arg(long)]
+    #[arg(long, requires = "supervisor")]
+    trial: Option<Trial>,
+    #[arg(long, requires = "trial")]
     supervisor: Option<u32>,
+    #[arg(long)]
+    no_valgrind: bool,
 }
 
 /// The numbers of findings of each class in all FMUs that were examined.
@@ -151,7 +159,8 @@ pub fn run(arguments: &Arguments, watch: Watch<'_>) -> Result<(), Failed> {
                 "cannot run the library: the path of this program is unknown: {error}"
             ))
         })?;
-        Some(Run { program, timeout: Duration::from_secs(arguments.timeout) })
+        let timeout = Duration::from_secs(arguments.timeout);
+        Some(Run { program, timeout, valgrind: !arguments.no_valgrind })
     };
     let options = Options { glibc: arguments.glibc, run };
     let Arguments { files, format, strict, .. } = arguments;
@@ -186,8 +195,12 @@ pub fn run(arguments: &Arguments, watch: Watch<'_>) -> Result<(), Failed> {
 /// # Errors
 /// Returns an error if the journal of the run cannot be written or the process cannot be started.
 pub fn run_in_process(arguments: &LibraryRun) -> Result<(), Error> {
-    let LibraryRun { folder, library, timeout, supervisor } = arguments;
-    run_library(folder, library, Duration::from_secs(*timeout), *supervisor)
+    let LibraryRun { folder, library, timeout, trial, supervisor, no_valgrind } = arguments;
+    let task = match (*trial, *supervisor) {
+        (Some(trial), Some(supervisor)) => Task::Try { trial, supervisor },
+        _ => Task::Supervise { valgrind: !no_valgrind },
+    };
+    run_library(folder, library, Duration::from_secs(*timeout), &task)
 }
 
 /// Returns all rules as text, one per line: name, class, section of FMI 2.0.5 and version since which it holds (or

@@ -45,7 +45,7 @@ pub use options::{Glibc, Options, Run};
 pub use output::Format;
 pub use report::{Finding, Place, Report};
 pub use rules::{Class, Part, Rule};
-pub use run::{COMMAND, Watch, run_library};
+pub use run::{COMMAND, Watch};
 
 use archive::Archive;
 use description::Description;

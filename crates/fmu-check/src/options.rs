@@ -46,8 +46,10 @@ pub struct Options {
 /// Settings of the run of a library.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// The program that runs the library in a process of its own, as the subcommand [`COMMAND`](crate::COMMAND).
+    /// The program that runs the library in processes of their own, as the subcommand [`COMMAND`](crate::COMMAND).
     pub program: PathBuf,
-    /// Time limit of that process.
+    /// Time limit of each trial of the library.
     pub timeout: Duration,
+    /// `true` if the library is also run under valgrind, a memory checker, where that is installed.
+    pub valgrind: bool,
 }

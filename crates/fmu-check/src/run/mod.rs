@@ -1,16 +1,20 @@
-//! Runs the library for this host in a process of its own, so that a crash, a hang or an exit does not affect the
+//! Runs the library for this host in processes of their own, so that a crash, a hang or an exit does not affect the
 //! checker.
 //!
-//! The FMU's files are unpacked into a private folder that is removed after the run. A supervisor starts the process
-//! that runs the library, the worker. It ends the worker when the limit of time or memory is reached or when the
-//! checker has ended, and then ends all processes that the worker started. The worker has limits of memory, time and
-//! file size, and its output is written to a file. These limits protect from accidents; they are no sandbox: the
+//! The FMU's files are unpacked into a private folder that is removed after the run. A supervisor starts a process for
+//! each way in which the library is tried, the worker. It ends the worker when the limit of time or memory is reached or
+//! when the checker has ended, and then ends all processes that the worker started. The worker has limits of memory, time
+//! and file size, and its output is written to a file. These limits protect from accidents; they are no sandbox: the
 //! library has all permissions of its user on files and the network.
 
 mod journal;
 mod process;
 mod supervisor;
+mod trial;
+mod valgrind;
 mod worker;
+
+pub(crate) use trial::Trial;
 
 use super::archive::{Archive, is_safe};
 use super::options::Run;
@@ -101,20 +105,20 @@ fn unpack(archive: &Archive, library: &str, folder: &Path) -> Result<(), String>
 
 /// Starts a supervisor; it runs until the worker has ended or its standard input is closed.
 fn supervise(folder: &Path, library: &str, options: &Run) -> io::Result<Child> {
-    command(&options.program, folder, library, options.timeout)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
-        .spawn()
+    let mut command = Command::new(&options.program);
+    arguments(&mut command, folder, library, options.timeout);
+    if !options.valgrind {
+        command.arg("--no-valgrind");
+    }
+    command.stdin(Stdio::piped()).stdout(Stdio::null()).spawn()
 }
 
-/// Returns the command that starts a process of [`run_library`]. The process has its own group, so Ctrl-C reaches the
-/// checker alone.
-fn command(program: &Path, folder: &Path, library: &str, timeout: Duration) -> Command {
-    let mut command = Command::new(program);
+/// Adds the arguments of a process of [`run_library`]. The process has its own group, so Ctrl-C reaches the checker
+/// alone.
+fn arguments(command: &mut Command, folder: &Path, library: &str, timeout: Duration) {
     let seconds = timeout.as_secs().to_string();
     command.arg(COMMAND).args([folder.as_os_str(), library.as_ref(), seconds.as_ref()]);
-    process::group(&mut command);
-    command
+    process::group(command);
 }
 
 /// Waits for the supervisor and returns its exit status; `None` if `watch` has ended the run.
@@ -142,28 +146,40 @@ fn wait(
     }
 }
 
-/// Runs a process of [`COMMAND`] for the FMU that is unpacked in `folder`: without `supervisor` it is the supervisor of
-/// a run of the library, with the process id of a `supervisor` it is the worker.
+/// What a process of [`COMMAND`] does.
+pub(crate) enum Task {
+    /// Supervises all trials, with valgrind or without.
+    Supervise { valgrind: bool },
+    /// Makes one trial until the supervisor, whose process id is given, has ended.
+    Try { trial: Trial, supervisor: u32 },
+}
+
+/// Runs a process of [`COMMAND`] for the FMU that is unpacked in `folder`.
 ///
 /// # Errors
-/// Returns an error if the journal, which holds all results, cannot be written or if the worker cannot be started.
-pub fn run_library(
+/// Returns an error if the journal, which holds all results, cannot be written or if a worker cannot be started.
+pub(crate) fn run_library(
     folder: &Path,
     library: &str,
     timeout: Duration,
-    supervisor: Option<u32>,
+    task: &Task,
 ) -> Result<(), Error> {
-    if let Some(supervisor) = supervisor {
-        process::end_with(supervisor);
+    if let Task::Try { supervisor, .. } = task {
+        process::end_with(*supervisor);
     }
     let path = folder.join(JOURNAL);
     let journal = Journal::open(&path).map_err(|error| Error::file(&path, &error))?;
-    if supervisor.is_none() {
-        return supervisor::run(folder, library, timeout, &journal)
-            .map_err(|error| Error::new(format!("cannot run the library: {error}")));
+    match *task {
+        Task::Supervise { valgrind } => {
+            supervisor::run(folder, library, timeout, valgrind, &journal)
+                .map_err(|error| Error::new(format!("cannot run the library: {error}")))
+        }
+        Task::Try { trial, .. } => {
+            if worker::run(folder, library, trial, timeout, &journal).is_some() {
+                journal.made();
+            }
+            journal.done();
+            Ok(())
+        }
     }
-    worker::run(folder, library, timeout, &journal);
-    journal.at("the end of the process");
-    journal.done();
-    Ok(())
 }

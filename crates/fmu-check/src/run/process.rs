@@ -157,11 +157,16 @@ fn children() -> Vec<nix::unistd::Pid> {
 #[cfg(unix)]
 pub(super) fn signal(status: ExitStatus) -> Option<String> {
     use std::os::unix::process::ExitStatusExt;
-    let number = status.signal()?;
-    Some(
-        nix::sys::signal::Signal::try_from(number)
-            .map_or(number.to_string(), |name| name.to_string()),
-    )
+    status.signal().map(signal_name)
+}
+
+/// Name of a signal.
+pub(super) fn signal_name(number: i32) -> String {
+    #[cfg(unix)]
+    if let Ok(signal) = nix::sys::signal::Signal::try_from(number) {
+        return signal.to_string();
+    }
+    number.to_string()
 }
 
 /// Code of the exception that ended a process.

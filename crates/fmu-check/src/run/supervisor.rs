@@ -1,17 +1,23 @@
-//! The supervisor: the process between the checker and the worker that runs the library. It ends the worker at the time
+//! The supervisor: the process between the checker and the workers that run the library. It ends a worker at the time
 //! limit, together with all processes that the library started, also if the checker has ended.
 
 use super::journal::{self, Journal};
-use super::{JOURNAL, OFTEN, process};
+use super::trial::Trial;
+use super::{OFTEN, process, valgrind};
 use crate::rules::Rule;
+use clap::ValueEnum as _;
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
-use std::process::{Child, ExitStatus, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+/// File of what the worker prints.
 const OUTPUT: &str = "output";
+/// The worker's working folder.
+const WORK: &str = "work";
 
 enum WorkerEnd {
     Status(ExitStatus),
@@ -21,37 +27,92 @@ enum WorkerEnd {
     Unwanted,
 }
 
-/// Runs a worker to its end and writes a finding about that end, if there is one, into the journal.
+/// Makes all trials, each in a worker, and writes a finding about a worker's end, if there is one, into the journal. If
+/// the first trial fails, no other is made.
 pub(super) fn run(
     folder: &Path,
     library: &str,
     timeout: Duration,
+    with_valgrind: bool,
     journal: &Journal,
 ) -> io::Result<()> {
     process::adopt_orphans();
-    let mut worker = start(folder, library, timeout)?;
-    let end = wait(&mut worker, timeout);
-    if !matches!(end, WorkerEnd::Status(_)) {
-        process::end(&mut worker);
-    }
-    let left = process::end_rest(worker.id());
-    let output = fs::read(folder.join(OUTPUT)).unwrap_or_default();
-    let output = String::from_utf8_lossy(&output);
-    let state = journal::state(&journal::text(&folder.join(JOURNAL)));
-    if let Some((rule, message)) = judge(&end, &state, left, output.trim(), timeout) {
-        journal.finding(rule, &message);
+    // The checker holds the other end of standard input; the system closes it however the checker ends.
+    let unwanted = Arc::new(AtomicBool::new(false));
+    let told = Arc::clone(&unwanted);
+    std::thread::spawn(move || {
+        let _ = io::copy(&mut io::stdin().lock(), &mut io::sink());
+        told.store(true, Ordering::Relaxed);
+    });
+    for &trial in Trial::value_variants() {
+        let is_watched = trial == Trial::Valgrind;
+        if is_watched && !(with_valgrind && valgrind::is_there(journal)) {
+            continue;
+        }
+        journal.trial(trial);
+        let mut worker = start(folder, library, trial, timeout)?;
+        let end = wait(&mut worker, timeout, &unwanted);
+        if !matches!(end, WorkerEnd::Status(_)) {
+            process::end(&mut worker);
+        }
+        let left = process::end_rest(worker.id());
+        let output = fs::read(folder.join(OUTPUT)).unwrap_or_default();
+        let output = String::from_utf8_lossy(&output);
+        let state = journal::state(&journal.text());
+        if is_watched {
+            valgrind::report(folder, library, state.done, journal);
+        } else if let Some((rule, message)) = judge(&end, &state, left, output.trim(), timeout) {
+            // Values beside the start values may ask for more than a run takes.
+            if trial.sets_values() && matches!(rule, Rule::TimeLimit | Rule::MemoryLimit) {
+                journal.note(&format!("the library is not tried to the end: {message}"));
+            } else {
+                journal.finding(rule, &message);
+            }
+        }
+        report_files(&folder.join(WORK), journal)?;
+        match end {
+            WorkerEnd::Unwanted => return Ok(()),
+            WorkerEnd::Late | WorkerEnd::Large if !is_watched && !trial.sets_values() => break,
+            _ if trial == Trial::Plain && !state.made => break,
+            _ => {}
+        }
     }
     Ok(())
 }
 
-fn start(folder: &Path, library: &str, timeout: Duration) -> io::Result<Child> {
+/// Reports the files that a worker has left in its working folder, and removes the folder.
+fn report_files(work: &Path, journal: &Journal) -> io::Result<()> {
+    let mut names: Vec<String> = fs::read_dir(work)?
+        .map(|entry| entry.map(|entry| entry.file_name().to_string_lossy().into_owned()))
+        .collect::<io::Result<_>>()?;
+    names.sort();
+    if let Some(first) = names.first() {
+        let message = format!(
+            "writes into the working folder of the host: {first}{}",
+            if names.len() > 1 { format!(" and {} more", names.len() - 1) } else { String::new() }
+        );
+        journal.finding(Rule::WritesFiles, &message);
+    }
+    fs::remove_dir_all(work)
+}
+
+fn start(folder: &Path, library: &str, trial: Trial, timeout: Duration) -> io::Result<Child> {
     let output = File::create(folder.join(OUTPUT))?;
-    let work = folder.join("work");
+    let work = folder.join(WORK);
     fs::create_dir(&work)?;
-    super::command(&std::env::current_exe()?, folder, library, timeout)
+    let program = std::env::current_exe()?;
+    let mut command = if trial == Trial::Valgrind {
+        valgrind::command(folder, &program)
+    } else {
+        Command::new(program)
+    };
+    super::arguments(&mut command, folder, library, timeout);
+    let trial = trial.to_possible_value();
+    let trial = trial.as_ref().map_or("", clap::builder::PossibleValue::get_name);
+    command
         // Memory in a thread's cache counts as in use; without the cache the heap is counted exactly.
         .env("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
-        .arg(format!("--supervisor={}", std::process::id()))
+        .args([format!("--trial={trial}"), format!("--supervisor={}", std::process::id())])
         .current_dir(work)
         .stdin(Stdio::null())
         .stdout(output.try_clone()?)
@@ -59,13 +120,7 @@ fn start(folder: &Path, library: &str, timeout: Duration) -> io::Result<Child> {
         .spawn()
 }
 
-fn wait(worker: &mut Child, timeout: Duration) -> WorkerEnd {
-    static UNWANTED: AtomicBool = AtomicBool::new(false);
-    // The checker holds the other end of standard input; the system closes it however the checker ends.
-    std::thread::spawn(|| {
-        let _ = io::copy(&mut io::stdin().lock(), &mut io::sink());
-        UNWANTED.store(true, Ordering::Relaxed);
-    });
+fn wait(worker: &mut Child, timeout: Duration, unwanted: &AtomicBool) -> WorkerEnd {
     let begin = Instant::now();
     loop {
         match worker.try_wait() {
@@ -73,7 +128,7 @@ fn wait(worker: &mut Child, timeout: Duration) -> WorkerEnd {
             Ok(None) => {}
             Err(_) => return WorkerEnd::Unwanted,
         }
-        if UNWANTED.load(Ordering::Relaxed) {
+        if unwanted.load(Ordering::Relaxed) {
             return WorkerEnd::Unwanted;
         }
         if begin.elapsed() > timeout {
@@ -116,7 +171,7 @@ fn judge(
                 Rule::Crash,
                 format!("crashes after the run, as the process ends ({signal}){}", said()),
             ),
-            Some(signal) => (Rule::Crash, format!("crashes during {stage} ({signal}){}", said())),
+            Some(signal) => (state.rule, format!("crashes during {stage} ({signal}){}", said())),
             None if !state.done => {
                 let code = status.code().unwrap_or_default();
                 (

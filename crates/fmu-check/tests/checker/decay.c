@@ -1,9 +1,11 @@
 /* A model of one state, x' = rate (u - x), for FMI 2.0; with -DFAULT_... it breaks one rule. */
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
+#include <xmmintrin.h>
 
 typedef void *component;
 typedef const char *text;
@@ -19,12 +21,12 @@ enum { OK = 0, ERROR = 3, FATAL = 4 };
 
 typedef struct {
     double x, u, rate;
-    int count;
+    int count, mode;
 } state;
 
 typedef struct {
     state now;
-    int initialized;
+    int entered, initialized, logging;
     callbacks calls;
 } instance;
 
@@ -37,7 +39,7 @@ static const state START = {0.5, 1.5,
 #else
                             0.25,
 #endif
-                            0};
+                            0, 2};
 
 #ifdef FAULT_crash_at_load
 __attribute__((constructor)) static void begin(void) { abort(); }
@@ -72,7 +74,12 @@ EXPORT text fmi2GetVersion(void) {
 EXPORT component fmi2Instantiate(text name, int kind, text guid, text location, const callbacks *calls, int visible,
                                  int logging) {
     (void)visible;
-    (void)logging;
+#ifdef FAULT_handler
+    signal(SIGFPE, SIG_IGN);
+#endif
+#ifdef FAULT_file
+    fclose(fopen("notes.txt", "w"));
+#endif
     if (kind != 1 || name == NULL || location == NULL) return NULL;
 #ifndef FAULT_guid
     if (strcmp(guid, GUID) != 0) return NULL;
@@ -123,8 +130,21 @@ EXPORT component fmi2Instantiate(text name, int kind, text guid, text location, 
 #ifdef FAULT_undefined
     if (visible == 77) return (component)(size_t)defined_nowhere();
 #endif
+#ifdef FAULT_shared
+    static instance only;
+    instance *made = &only;
+#else
     instance *made = calloc(1, sizeof *made);
+#endif
     made->now = START;
+#ifdef FAULT_second
+    static int number;
+    made->now.x += number++;
+#endif
+#ifdef RANDOM
+    made->now.x += getpid() * 1e-9 + (double)(size_t)made * 1e-18;
+#endif
+    made->logging = logging;
     made->calls = *calls;
     return made;
 }
@@ -136,7 +156,9 @@ EXPORT void fmi2FreeInstance(component c) {
 #ifdef FAULT_fatal
     if (c != NULL) abort();
 #endif
+#ifndef FAULT_shared
     free(c);
+#endif
 }
 
 EXPORT int fmi2SetupExperiment(component c, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
@@ -144,16 +166,28 @@ EXPORT int fmi2SetupExperiment(component c, int has_tolerance, double tolerance,
     return OK;
 }
 
-EXPORT int fmi2EnterInitializationMode(component c) { (void)c; return OK; }
+EXPORT int fmi2EnterInitializationMode(component c) {
+    instance *self = c;
+#ifdef FAULT_reset_phase
+    if (self->entered) self->now.x += 1;
+#endif
+    self->entered = 1;
+    return OK;
+}
 EXPORT int fmi2ExitInitializationMode(component c) { ((instance *)c)->initialized = 1; return OK; }
 EXPORT int fmi2Terminate(component c) { (void)c; return OK; }
 
 EXPORT int fmi2Reset(component c) {
+    instance *self = c;
 #ifdef FAULT_reset
-    ((instance *)c)->now.count = 0;
+    self->now.count = 0;
 #else
-    ((instance *)c)->now = START;
+    self->now = START;
 #endif
+#ifdef FAULT_reset_phase
+    if (self->entered && !self->initialized) return OK;
+#endif
+    self->entered = self->initialized = 0;
     return OK;
 }
 
@@ -177,6 +211,26 @@ EXPORT int fmi2DoStep(component c, double time, double step, int keep) {
     self->calls.logger(self->calls.environment, "x", ERROR, "logStatusError", "no convergence");
     return ERROR;
 #endif
+#ifdef FAULT_steps
+    if (step < 0.0625) {
+        self->calls.logger(self->calls.environment, "x", ERROR, "logStatusError", "the step is too small");
+        return ERROR;
+    }
+#endif
+#ifdef FAULT_rounding
+    _mm_setcsr(_mm_getcsr() | _MM_ROUND_UP);
+#endif
+#ifdef FAULT_logged
+    if (self->logging) self->now.x += 1e-6;
+#endif
+#ifdef FAULT_follows
+    if (self->now.u != START.u && self->now.count > 0) self->now.x = 0.0 / 0.0;
+#endif
+#ifdef FAULT_unset
+    double *unset = malloc(sizeof *unset);
+    if (*(volatile double *)unset == 77) usleep(1);
+    free(unset);
+#endif
     self->now.x += (self->now.u - self->now.x) * self->now.rate * step / (1 + self->now.rate * step);
 #ifdef FAULT_nan
     if (self->now.count == 3) self->now.x = 0.0 / 0.0;
@@ -192,13 +246,22 @@ EXPORT int fmi2GetReal(component c, const unsigned *which, size_t count, double 
 #ifdef STRICT_MODES
         if (!((instance *)c)->initialized && which[i] >= 3) return ERROR;
 #endif
+#ifdef FAULT_unreadable
+        if (which[i] == 2) return ERROR;
+#endif
         values[i] = all[which[i]];
     }
+#ifdef FAULT_array
+    *(volatile double *)&values[count] = *(volatile double *)&values[count];
+#endif
+#ifdef FAULT_references
+    *(volatile unsigned *)which = which[0];
+#endif
     return OK;
 }
 
 EXPORT int fmi2GetInteger(component c, const unsigned *which, size_t count, int *values) {
-    for (size_t i = 0; i < count; i++) values[i] = which[i] == 0 ? ((instance *)c)->now.count : 2;
+    for (size_t i = 0; i < count; i++) values[i] = which[i] == 0 ? ((instance *)c)->now.count : ((instance *)c)->now.mode;
     return OK;
 }
 
@@ -218,9 +281,70 @@ EXPORT int fmi2GetString(component c, const unsigned *which, size_t count, text 
 EXPORT int fmi2SetReal(component c, const unsigned *which, size_t count, const double *values) {
     state *now = &((instance *)c)->now;
     for (size_t i = 0; i < count; i++) {
+#ifdef FAULT_value
+        if (which[i] == 4 && ((instance *)c)->initialized) continue;
+#endif
+#if defined FAULT_silent || defined REFUSES
+        if (which[i] == 4 && values[i] != START.rate) {
+#ifdef REFUSES
+            callbacks *calls = &((instance *)c)->calls;
+            calls->logger(calls->environment, "x", ERROR, "logStatusError", "the rate is fixed to %f", START.rate);
+#endif
+            return ERROR;
+        }
+#endif
         if (which[i] == 3) now->u = values[i];
         if (which[i] == 4) now->rate = values[i];
     }
+    return OK;
+}
+
+EXPORT int fmi2SetInteger(component c, const unsigned *which, size_t count, const int *values) {
+    for (size_t i = 0; i < count; i++) if (which[i] == 1) ((instance *)c)->now.mode = values[i];
+    return OK;
+}
+
+EXPORT int fmi2SetString(component c, const unsigned *which, size_t count, const text *values) {
+    (void)c; (void)which; (void)count; (void)values;
+    return OK;
+}
+
+EXPORT int fmi2SetDebugLogging(component c, int on, size_t count, const text *categories) {
+    for (size_t i = 0; i < count; i++) if (strncmp(categories[i], "log", 3) != 0) return ERROR;
+    ((instance *)c)->logging = on;
+    return OK;
+}
+
+#ifndef FAULT_function
+EXPORT int fmi2GetDirectionalDerivative(component c, const unsigned *unknown, size_t unknowns, const unsigned *known,
+                                        size_t knowns, const double *direction, double *found) {
+    const state *now = &((instance *)c)->now;
+    (void)knowns;
+    for (size_t i = 0; i < unknowns; i++) found[i] = unknown[i] == 2 && known[0] == 3 ? now->rate * direction[0] : 0;
+#ifdef FAULT_directional
+    found[0] *= 1.1;
+#endif
+    return OK;
+}
+#endif
+
+EXPORT int fmi2GetRealOutputDerivatives(component c, const unsigned *which, size_t count, const int *orders, double *found) {
+    const state *now = &((instance *)c)->now;
+    (void)which; (void)orders;
+    for (size_t i = 0; i < count; i++) found[i] = now->rate * (now->u - now->x);
+#ifdef FAULT_output_derivative
+    found[0] *= 0.1;
+#endif
+    return OK;
+}
+
+EXPORT int fmi2SetRealInputDerivatives(component c, const unsigned *which, size_t count, const int *orders, const double *rates) {
+    (void)which; (void)count; (void)orders; (void)rates;
+#ifdef FAULT_input_derivative
+    ((instance *)c)->now.u += 0.1;
+#else
+    (void)c;
+#endif
     return OK;
 }
 
@@ -268,15 +392,7 @@ EXPORT int fmi2DeSerializeFMUstate(component c, const char *bytes, size_t size, 
 }
 
 #define REFUSED(name) EXPORT int name(void) { return ERROR; }
-REFUSED(fmi2SetDebugLogging)
-REFUSED(fmi2SetInteger)
 REFUSED(fmi2SetBoolean)
-REFUSED(fmi2SetString)
-#ifndef FAULT_function
-REFUSED(fmi2GetDirectionalDerivative)
-#endif
-REFUSED(fmi2SetRealInputDerivatives)
-REFUSED(fmi2GetRealOutputDerivatives)
 REFUSED(fmi2CancelStep)
 REFUSED(fmi2GetStatus)
 REFUSED(fmi2GetRealStatus)

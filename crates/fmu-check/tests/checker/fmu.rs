@@ -94,8 +94,14 @@ impl Files {
     }
 }
 
-/// Runs the program on an FMU. Returns its exit code and its output.
+/// Runs the program on an FMU, without valgrind. Returns its exit code and its output.
 pub fn check(fmu: &[u8], arguments: &[&str]) -> (i32, String) {
+    let plainly: &[&str] = if arguments.contains(&"--no-run") { &[] } else { &["--no-valgrind"] };
+    check_with(fmu, &[arguments, plainly].concat())
+}
+
+/// As [`check`], with valgrind where it is installed.
+pub fn check_with(fmu: &[u8], arguments: &[&str]) -> (i32, String) {
     let folder = folder();
     fs::write(folder.path().join("a.fmu"), fmu).unwrap();
     let output = run(PROGRAM, folder.path(), &[&["a.fmu"], arguments].concat());

@@ -1,4 +1,4 @@
-//! Libraries that break one rule, by what they are and by what they do.
+//! Libraries that break one rule by what they are.
 
 use super::fmu::{LIBRARY, assert_breaks, check, compile, library, sound, with_library};
 
@@ -70,17 +70,6 @@ fn other_libraries_are_the_systems_or_beside_it() {
 }
 
 #[test]
-fn what_the_standard_allows_is_no_fault() {
-    // Parameters and inputs need not be readable before initialization ends; a helper process may outlive the library
-    // briefly.
-    for flag in ["-DSTRICT_MODES", "-DBRIEF_HELPER"] {
-        let fmu = with_library(library(&[flag]))
-            .edit(" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", "");
-        assert_eq!(check(&fmu.pack(), &[]), (0, String::new()), "{flag}");
-    }
-}
-
-#[test]
 fn a_newer_glibc_than_asked_for_is_told() {
     let (code, printed) = check(&sound().pack(), &["--no-run", "--glibc", "2.1"]);
     assert!(printed.starts_with("defect: glibc-floor "), "{printed}");
@@ -112,67 +101,4 @@ fn a_newer_glibc_than_old_hosts_have_is_a_hint_unless_hints_or_a_floor_are_asked
     assert!(printed.starts_with(&format!("defect: {told}")), "{printed}");
     assert_eq!(check(&fmu, &["--no-run", "--strict", "--glibc", "2.99"]), (0, String::new()));
     assert_eq!(check(&sound().pack(), &["--strict"]), (0, String::new()));
-}
-
-#[test]
-fn each_fault_of_a_run_is_found_by_its_rule_alone() {
-    for (rule, fault, words) in [
-        ("load", "load", "TLS"),
-        ("types-platform", "types", "standard32"),
-        ("version", "version", "2.1"),
-        ("instantiate", "refuses", "the licence is missing"),
-        ("wrong-guid", "guid", "guid"),
-        ("null-callbacks", "null", "NULL"),
-        ("resource-location", "location", "resource location file:/…/fmu/resources"),
-        ("resource-location", "space", "%20"),
-        ("call-failed", "fails", "no convergence"),
-        ("call-failed", "fatal", "fmi2DoStep at 0 s returns fmi2Fatal"),
-        (
-            "start-differs",
-            "start",
-            "rate is 0.75 after initialization, but its start value is 0.25",
-        ),
-        ("output-not-finite", "nan", "x is NaN at 0.25 s"),
-        ("reset-differs", "reset", "x is "),
-        ("state-differs", "state", "x is "),
-        ("serialized-state-differs", "serialized", "x is "),
-        ("memory-growth", "leak", "grows by 1"),
-        ("memory-growth", "leak_pages", "grows by 8192"),
-        ("prints", "prints", "hello \\u{1b}[31m from"),
-        ("crash", "crash", "fmi2DoStep at 0 s (SIGSEGV)"),
-        ("crash", "crash_at_load", "loading of the library (SIGABRT)"),
-        ("crash", "crash_at_exit", "unloading of the library (SIGABRT)"),
-        ("crash", "free_null", "fmi2FreeInstance(NULL)"),
-        ("crash", "null_crash", "NULL for the memory callbacks"),
-        ("exit", "exit", "fmi2DoStep at 0 s (exit code 3)"),
-        ("leaves-processes", "fork", "leaves a process"),
-        ("leaves-processes", "daemon", "leaves a process"),
-    ] {
-        let flag = format!("-DFAULT_{fault}");
-        let fmu = with_library(library(&[&flag]));
-        // A difference after restoring a state may also come from its serialized copy.
-        let fmu =
-            if fault == "state" { fmu.edit(" canSerializeFMUstate=\"true\"", "") } else { fmu };
-        let printed = assert_breaks(rule, &fmu.pack(), &[]);
-        assert!(printed.contains(words), "{fault}: {printed}");
-        assert_eq!(printed.lines().count(), 1, "{printed}");
-    }
-}
-
-#[test]
-fn a_library_that_does_not_come_back_is_ended() {
-    let fmu = with_library(library(&["-DFAULT_hang"])).pack();
-    let printed = assert_breaks("time-limit", &fmu, &["--timeout", "1"]);
-    assert!(
-        printed.contains("does not finish within 1 s; stopped during fmi2DoStep at 0 s"),
-        "{printed}"
-    );
-}
-
-#[test]
-#[ignore = "fills 2 GiB of memory"]
-fn a_library_that_takes_all_memory_is_ended() {
-    let printed =
-        assert_breaks("memory-limit", &with_library(library(&["-DFAULT_memory"])).pack(), &[]);
-    assert!(printed.contains("2 GiB"), "{printed}");
 }

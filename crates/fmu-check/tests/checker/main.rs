@@ -15,3 +15,4 @@ mod program;
 mod python;
 mod rules;
 mod survey;
+mod trials;

@@ -36,6 +36,7 @@ fn every_rule_has_an_fmu_that_breaks_it() {
         include_str!("description.rs"),
         include_str!("exporters.rs"),
         include_str!("libraries.rs"),
+        include_str!("trials.rs"),
     ];
     for rule in Rule::ALL {
         let name = format!("\"{}\"", rule.id());

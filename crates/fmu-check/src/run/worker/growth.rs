@@ -27,7 +27,7 @@ const LEAST_ADDRESSES: i64 = 4096;
 
 /// Makes, runs and frees instances for no longer than `room`, and reports growth of memory.
 pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
-    subject.journal.at("repeated instantiation");
+    subject.at("repeated instantiation");
     let begin = Instant::now();
     if round(subject).is_none() {
         return;
@@ -88,7 +88,7 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
 fn round(subject: &Subject<'_>) -> Option<()> {
     let library = Library::load(&subject.path).ok()?;
     let Plan { tolerance, start, stop, step, .. } = subject.plan;
-    let instance = library.instantiate(&subject.plan.guid, &subject.location(), true)?;
+    let instance = library.instantiate(&subject.plan.guid, &subject.location(), true, false)?;
     instance.setup(tolerance, start, stop).ok()?;
     instance.enter_initialization().ok()?;
     instance.exit_initialization().ok()?;

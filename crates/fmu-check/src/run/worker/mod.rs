@@ -1,33 +1,41 @@
-//! The worker: the process that runs a library. It makes a plain run, repeats the run in other ways, and makes many
-//! instances.
+//! The worker: the process that tries a library in one way.
 
-mod course;
 mod creation;
+mod derivatives;
 mod experiment;
 mod growth;
+mod inputs;
+mod instances;
 mod library;
 mod location;
+mod logging;
 mod plan;
 mod repetition;
-mod starts;
+mod variables;
+
+#[cfg(unix)]
+mod arrays;
 
 use super::journal::Journal;
 use super::process;
+use super::trial::Trial;
 use crate::description::Description;
 use crate::report::Report;
 use crate::rules::Rule;
 use crate::xml;
-use library::{Library, Refused, heard};
+use library::{HostSettings, Library, Refused, heard};
 use location::uri;
 use plan::Plan;
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Runs `library` of the FMU that is unpacked in `folder` and writes the findings into the journal. Returns `None` if
-/// the run ended early, after the reason has been written.
+/// Tries `library` of the FMU that is unpacked in `folder` and writes the findings into the journal. Returns `None` if
+/// the trial ended early, after the reason has been written.
 pub(super) fn run(
     folder: &Path,
     library: &str,
+    trial: Trial,
     timeout: Duration,
     journal: &Journal,
 ) -> Option<()> {
@@ -37,23 +45,13 @@ pub(super) fn run(
     let plan = Plan::new(&Description::new(&root));
     process::limit(timeout);
     let path = fmu.join(library);
-    let subject = Subject { fmu, path, plan, journal };
-    let library = subject.load()?;
-    subject.answers(&library);
-    subject.refusals(&library);
-    let first = subject.plain(&library).ok()?;
-    if subject.plan.once_per_process {
-        journal.note(
-            "canBeInstantiatedOnlyOncePerProcess is true: checks that need a second instance are left out",
-        );
+    let host = RefCell::new(("the start of the process".to_owned(), HostSettings::read()));
+    let subject = Subject { fmu, path, plan, journal, host };
+    if !subject.applies(trial) {
         return Some(());
     }
-    subject.repeated(&library, &first);
-    subject.other_beginnings(&library);
-    journal.at("unloading of the library");
-    drop(library);
-    growth::watch(&subject, timeout / 4);
-    Some(())
+    let library = subject.load()?;
+    subject.make(trial, library, timeout).ok()
 }
 
 /// An FMU whose library is run.
@@ -64,14 +62,121 @@ struct Subject<'a> {
     path: PathBuf,
     plan: Plan,
     journal: &'a Journal,
+    /// The present stage, and the host's settings as they were last seen.
+    host: RefCell<(String, HostSettings)>,
 }
 
-/// A call failed and has been reported; the run cannot continue.
+/// A call failed and has been reported; the trial cannot continue.
 struct ReportedFailure;
 
 impl Subject<'_> {
+    /// `true` if the FMU is to be tried in this way.
+    fn applies(&self, trial: Trial) -> bool {
+        let can = &self.plan.abilities;
+        if can.once_per_process && trial.needs_instances() {
+            return false;
+        }
+        match trial {
+            Trial::NullCallbacks => can.needs_no_memory_callbacks,
+            Trial::OneSlash | Trial::Space => self.resources().is_dir(),
+            Trial::Inputs => self.plan.inputs().any(|input| input.other.is_some()),
+            Trial::Steps => can.varies_steps,
+            Trial::States => can.saves_states,
+            Trial::Derivatives => can.directional_derivatives,
+            Trial::OutputDerivatives => {
+                can.output_derivatives && !self.plan.real_outputs().is_empty()
+            }
+            Trial::InputDerivatives => can.interpolates_inputs,
+            _ => true,
+        }
+    }
+
+    fn make(
+        &self,
+        trial: Trial,
+        library: Library,
+        timeout: Duration,
+    ) -> Result<(), ReportedFailure> {
+        let result = match trial {
+            Trial::Plain => {
+                if self.plan.abilities.once_per_process {
+                    self.journal.note(
+                        "canBeInstantiatedOnlyOncePerProcess is true: what needs a second instance is not tried",
+                    );
+                }
+                self.answers(&library);
+                self.plain(&library)
+            }
+            Trial::FreeNull => self.free_null(&library),
+            Trial::WrongGuid => self.wrong_guid(&library),
+            Trial::OneSlash => self.one_slash(&library),
+            Trial::Space => self.space(&library),
+            Trial::NullCallbacks => self.null_callbacks(&library),
+            Trial::Reset => self.resets(&library),
+            Trial::Variables => self.variables(&library),
+            Trial::Inputs => self.changed_inputs(&library),
+            Trial::Steps => self.varied_steps(&library),
+            Trial::Instances => self.instances(&library),
+            Trial::States => self.states(&library),
+            Trial::Derivatives => self.directional_derivatives(&library),
+            Trial::OutputDerivatives => self.output_derivatives(&library),
+            Trial::InputDerivatives => self.input_derivatives(&library),
+            Trial::Logging => self.logging(&library),
+            #[cfg(unix)]
+            Trial::Arrays => self.arrays(&library),
+            #[cfg(not(unix))]
+            Trial::Arrays => Ok(()),
+            Trial::Memory => {
+                drop(library);
+                growth::watch(self, timeout / 4);
+                return Ok(());
+            }
+            Trial::Valgrind => self.run_once(&library),
+        };
+        self.at("unloading of the library");
+        drop(library);
+        self.at("the end of the process");
+        result
+    }
+
+    /// Records the stage that begins now, and reports settings of the host that the last stage has changed.
+    fn at(&self, stage: &str) {
+        self.compare_host();
+        self.host.borrow_mut().0 = stage.to_owned();
+        self.journal.at(stage);
+    }
+
+    /// As [`at`](Self::at), for a stage in which a crash breaks a rule of its own.
+    fn at_risk(&self, rule: Rule, stage: &str) {
+        self.at(stage);
+        self.journal.risk(rule);
+    }
+
+    fn compare_host(&self) {
+        let now = HostSettings::read();
+        let (stage, before) = &mut *self.host.borrow_mut();
+        if now.floating_point != before.floating_point {
+            let message = format!(
+                "{stage} changes how floating point is computed: rounding, denormal numbers or traps (control registers {}, before {})",
+                registers(&now),
+                registers(before)
+            );
+            self.journal.finding(Rule::FloatingPointMode, &message);
+        }
+        let changed = (1..).zip(now.signals.iter().zip(&before.signals));
+        let changed: Vec<String> = changed
+            .filter(|(_, (now, before))| now != before)
+            .map(|(signal, _)| process::signal_name(signal))
+            .collect();
+        if !changed.is_empty() {
+            let message = format!("{stage} changes who handles {}", changed.join(", "));
+            self.journal.finding(Rule::SignalHandlers, &message);
+        }
+        *before = now;
+    }
+
     fn load(&self) -> Option<Library> {
-        self.journal.at("loading of the library");
+        self.at("loading of the library");
         match Library::load(&self.path) {
             Ok(library) => Some(library),
             Err(error) => {
@@ -87,7 +192,7 @@ impl Subject<'_> {
             (Rule::TypesPlatform, "fmi2GetTypesPlatform", "default"),
             (Rule::Version, "fmi2GetVersion", "2.0"),
         ] {
-            self.journal.at(name);
+            self.at(name);
             let answer = library.answer(name);
             if answer != right {
                 let message = format!("{name} returns {answer}; FMI 2.0 requires \"{right}\"");
@@ -114,6 +219,11 @@ impl Subject<'_> {
     fn location(&self) -> String {
         uri(&self.resources(), "///")
     }
+}
+
+fn registers(host: &HostSettings) -> String {
+    host.floating_point
+        .map_or("unknown".to_owned(), |(vector, scalar)| format!("{vector:#06x} {scalar:#06x}"))
 }
 
 /// Text that quotes the last message of the library to its logger; empty if there is none.

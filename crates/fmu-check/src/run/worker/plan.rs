@@ -1,17 +1,42 @@
 //! The plan of a run, derived from the model description.
 
-use crate::description::{Description, Kind};
+use super::library::Value;
+use crate::description::{self, Description, Kind};
 use crate::xml::values::{boolean, double, integer};
 
 /// Limit of the number of steps of a run.
 const STEPS: u32 = 10;
 
-/// The start value of a variable.
-pub(super) enum Start {
-    Real(f64),
-    Integer(i32),
-    Boolean(bool),
-    String(String),
+/// A variable of the model description.
+#[derive(Clone)]
+pub(super) struct Variable {
+    pub(super) name: String,
+    pub(super) reference: u32,
+    pub(super) kind: Kind,
+    pub(super) role: Role,
+    pub(super) start: Option<Value>,
+    /// A value beside the start value that the description allows; `None` if a host may not set the variable before the
+    /// initialization ends, or if there is no other value.
+    pub(super) other: Option<Value>,
+}
+
+/// When a host may set a variable.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    Input,
+    Tunable,
+    /// A parameter that is fixed once the initialization has ended.
+    Fixed,
+    Output,
+    Constant,
+    Rest,
+}
+
+impl Role {
+    /// `true` if the variable keeps the value that it is given: nothing else changes it.
+    pub(super) fn keeps_value(self) -> bool {
+        matches!(self, Self::Input | Self::Tunable | Self::Fixed)
+    }
 }
 
 pub(super) struct Plan {
@@ -21,16 +46,27 @@ pub(super) struct Plan {
     pub(super) tolerance: Option<f64>,
     pub(super) step: f64,
     pub(super) steps: u32,
-    /// Variables whose value after initialization is their start value: name, reference and start value.
-    pub(super) exact: Vec<(String, u32, Start)>,
-    /// Real outputs: name and reference.
-    pub(super) reals: Vec<(String, u32)>,
-    pub(super) integers: Vec<u32>,
-    pub(super) booleans: Vec<u32>,
+    /// All variables, those of a type beside each other.
+    pub(super) variables: Vec<Variable>,
+    /// The outputs, those of a type beside each other.
+    pub(super) outputs: Vec<Variable>,
+    /// Pairs of a continuous Real output and an input on which it depends, by their places in `outputs` and `variables`.
+    pub(super) dependencies: Vec<(usize, usize)>,
+    pub(super) log_categories: Vec<String>,
+    pub(super) abilities: Abilities,
+}
+
+/// The capability flags of the FMU.
+#[allow(clippy::struct_excessive_bools)]
+pub(super) struct Abilities {
     pub(super) saves_states: bool,
     pub(super) serializes_states: bool,
     pub(super) needs_no_memory_callbacks: bool,
     pub(super) once_per_process: bool,
+    pub(super) varies_steps: bool,
+    pub(super) directional_derivatives: bool,
+    pub(super) output_derivatives: bool,
+    pub(super) interpolates_inputs: bool,
 }
 
 impl Plan {
@@ -44,16 +80,15 @@ impl Plan {
             stop.map_or(f64::from(STEPS), |stop| ((stop - start) / step * (1.0 + 1e-9)).floor());
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let steps = (room as u32).clamp(1, STEPS);
-        let outputs = |kind: Kind| {
-            let is = move |variable: &&crate::description::Variable<'_>| {
-                variable.causality == "output" && variable.kind.base() == kind
-            };
-            description
-                .variables
-                .iter()
-                .filter(is)
-                .map(|variable| (variable.name.to_owned(), variable.reference))
+        let mut stated: Vec<&description::Variable<'_>> = description.variables.iter().collect();
+        stated.sort_by_key(|variable| order(variable.kind));
+        let variables: Vec<_> = stated.iter().map(|variable| Variable::new(variable)).collect();
+        let is_output = |variable: &&Variable| variable.role == Role::Output;
+        let number = |name: &str| {
+            let text = description.simulation.and_then(|element| element.attribute(name));
+            text.and_then(integer).unwrap_or(0)
         };
+        let categories = description.root.below("LogCategories").iter();
         Self {
             guid: description.root.attribute("guid").unwrap_or_default().to_owned(),
             start,
@@ -61,34 +96,127 @@ impl Plan {
             tolerance: description.experiment("tolerance").filter(|tolerance| *tolerance > 0.0),
             step,
             steps,
-            exact: exact(description),
-            reals: outputs(Kind::Real).collect(),
-            integers: outputs(Kind::Integer).map(|(_, reference)| reference).collect(),
-            booleans: outputs(Kind::Boolean).map(|(_, reference)| reference).collect(),
-            saves_states: description.can("canGetAndSetFMUstate"),
-            serializes_states: description.can("canSerializeFMUstate"),
-            needs_no_memory_callbacks: description.can("canNotUseMemoryManagementFunctions"),
-            once_per_process: description.can("canBeInstantiatedOnlyOncePerProcess"),
+            outputs: variables.iter().filter(is_output).cloned().collect(),
+            dependencies: dependencies(description, &stated),
+            variables,
+            log_categories: categories
+                .filter_map(|category| category.attribute("name").map(str::to_owned))
+                .collect(),
+            abilities: Abilities {
+                saves_states: description.can("canGetAndSetFMUstate"),
+                serializes_states: description.can("canSerializeFMUstate"),
+                needs_no_memory_callbacks: description.can("canNotUseMemoryManagementFunctions"),
+                once_per_process: description.can("canBeInstantiatedOnlyOncePerProcess"),
+                varies_steps: description.can("canHandleVariableCommunicationStepSize"),
+                directional_derivatives: description.can("providesDirectionalDerivative"),
+                output_derivatives: number("maxOutputDerivativeOrder") > 0,
+                interpolates_inputs: description.can("canInterpolateInputs"),
+            },
+        }
+    }
+
+    pub(super) fn inputs(&self) -> impl Iterator<Item = &Variable> {
+        self.variables.iter().filter(|variable| variable.role == Role::Input)
+    }
+
+    /// References of the Real outputs.
+    pub(super) fn real_outputs(&self) -> Vec<u32> {
+        let reals = self.outputs.iter().filter(|output| output.kind == Kind::Real);
+        reals.map(|output| output.reference).collect()
+    }
+}
+
+/// The order of types in `variables` and `outputs`.
+fn order(kind: Kind) -> usize {
+    let kinds = [Kind::Real, Kind::Integer, Kind::Boolean, Kind::String];
+    kinds.iter().position(|other| *other == kind.base()).unwrap_or(kinds.len())
+}
+
+fn dependencies(
+    description: &Description<'_>,
+    sorted: &[&description::Variable<'_>],
+) -> Vec<(usize, usize)> {
+    let structure = description.root.child("ModelStructure");
+    let unknowns = structure.map_or(&[][..], |structure| structure.below("Outputs"));
+    let is_continuous = |variable: &description::Variable<'_>| {
+        variable.kind == Kind::Real && variable.variability == "continuous"
+    };
+    let outputs = sorted.iter().filter(|variable| variable.causality == "output");
+    let mut pairs = Vec::new();
+    for (place, output) in outputs.enumerate().filter(|(_, output)| is_continuous(output)) {
+        let index = output.index.to_string();
+        let unknown = unknowns.iter().find(|unknown| unknown.attribute("index") == Some(&index));
+        let listed = unknown.and_then(|unknown| unknown.attribute("dependencies"));
+        for (input, known) in sorted.iter().enumerate() {
+            let index = known.index.to_string();
+            // An output without a list may depend on every input.
+            let depends =
+                listed.is_none_or(|list| list.split_ascii_whitespace().any(|one| one == index));
+            if known.causality == "input" && is_continuous(known) && depends {
+                pairs.push((place, input));
+            }
+        }
+    }
+    pairs
+}
+
+impl Variable {
+    fn new(stated: &description::Variable<'_>) -> Self {
+        let role = match (stated.causality, stated.variability) {
+            (_, "constant") => Role::Constant,
+            ("input", _) => Role::Input,
+            ("parameter", "tunable") => Role::Tunable,
+            ("parameter", _) => Role::Fixed,
+            ("output", _) => Role::Output,
+            _ => Role::Rest,
+        };
+        let start = stated.start.and_then(|text| {
+            Some(match stated.kind.base() {
+                Kind::Real => Value::Real(double(text)?),
+                Kind::Integer | Kind::Enumeration => Value::Integer(integer(text)?),
+                Kind::Boolean => Value::Boolean(boolean(text)?),
+                Kind::String => Value::String(text.to_owned()),
+            })
+        });
+        let is_settable =
+            role == Role::Input || stated.is_settable() && stated.initial == Some("exact");
+        let other = start.as_ref().filter(|_| is_settable).and_then(|start| beside(stated, start));
+        Self {
+            name: stated.name.to_owned(),
+            reference: stated.reference,
+            kind: stated.kind,
+            role,
+            start,
+            other,
         }
     }
 }
 
-fn exact(description: &Description<'_>) -> Vec<(String, u32, Start)> {
-    let of = |variable: &crate::description::Variable<'_>| {
-        // Other variables may already have been computed anew when they can first be read.
-        if !matches!(variable.causality, "input" | "parameter")
-            && variable.variability != "constant"
-        {
-            return None;
-        }
-        let stated = variable.start?;
-        let start = match variable.kind.base() {
-            Kind::Real => Start::Real(double(stated)?),
-            Kind::Integer | Kind::Enumeration => Start::Integer(integer(stated)?),
-            Kind::Boolean => Start::Boolean(boolean(stated)?),
-            Kind::String => Start::String(stated.to_owned()),
-        };
-        Some((variable.name.to_owned(), variable.reference, start))
+/// Returns another value than the start value, within the bounds.
+fn beside(stated: &description::Variable<'_>, start: &Value) -> Option<Value> {
+    let (least, most) = (stated.number("min"), stated.number("max"));
+    let is_within = |value: f64| {
+        least.is_none_or(|least| value >= least) && most.is_none_or(|most| value <= most)
     };
-    description.variables.iter().filter_map(of).collect()
+    match start {
+        Value::Real(start) => {
+            let size = [start.abs(), stated.number("nominal").unwrap_or(1.0).abs()];
+            let size = size.into_iter().find(|size| *size > 0.0 && size.is_finite())?;
+            let values = [start + 0.01 * size, start - 0.01 * size];
+            values.into_iter().find(|value| is_within(*value)).map(Value::Real)
+        }
+        Value::Integer(start) if stated.kind == Kind::Enumeration => {
+            let items = stated.declared?.child("Enumeration")?;
+            let values = items.children.iter().filter_map(|item| item.attribute("value"));
+            values.filter_map(integer).find(|value| value != start).map(Value::Integer)
+        }
+        Value::Integer(start) => {
+            let values = [start.checked_add(1), start.checked_sub(1)];
+            let mut values = values.into_iter().flatten();
+            values.find(|value| is_within(f64::from(*value))).map(Value::Integer)
+        }
+        Value::Boolean(start) => Some(Value::Boolean(!start)),
+        // Texts often name a file or a licence, of which no other is known.
+        Value::String(start) => Some(Value::String(start.clone())),
+    }
 }

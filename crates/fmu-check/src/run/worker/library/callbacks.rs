@@ -44,9 +44,8 @@ extern "C" fn logger(_: *mut c_void, _: Text, _: Status, _: Text, message: Text,
     let text = if message == c"%s" && cfg!(target_arch = "x86_64") && !first.is_null() {
         // SAFETY: such a message has one variadic argument, a string, which x86_64 passes like any other.
         unsafe { CStr::from_ptr(first) }.to_string_lossy()
-    } else if message.to_bytes().contains(&b'%') {
-        return;
     } else {
+        // Other arguments are not read: a format is quoted as it is.
         message.to_string_lossy()
     };
     if let Ok(mut heard) = HEARD.lock() {

@@ -3,13 +3,12 @@
 use super::callbacks::Callbacks;
 use super::status::{Refused, succeeded};
 use super::{Component, FreeInstance, Library, Status, Text};
-use libc::{c_int, c_uint, c_void, size_t};
+use libc::{c_int, c_void, size_t};
 use std::cell::Cell;
-use std::ffi::{CStr, CString};
+use std::ffi::CString;
 use std::ptr;
 
 type Of = unsafe extern "C" fn(Component) -> Status;
-type Get<T> = unsafe extern "C" fn(Component, *const c_uint, size_t, *mut T) -> Status;
 
 /// An instance of a library; it is freed when dropped.
 pub(crate) struct Instance<'a> {
@@ -36,7 +35,17 @@ impl<'a> Instance<'a> {
         Self { library, component, _callbacks: callbacks, _texts: texts, is_lost }
     }
 
-    fn succeeded(&self, status: Status) -> Result<(), Refused> {
+    /// The library's own pointer to the instance.
+    pub(super) fn component(&self) -> Component {
+        self.component
+    }
+
+    /// Returns a function of the library; `T` is the type that the standard gives it.
+    pub(super) fn function<T: Copy>(&self, name: &str) -> Result<T, Refused> {
+        self.library.function(name)
+    }
+
+    pub(super) fn succeeded(&self, status: Status) -> Result<(), Refused> {
         let result = succeeded(status);
         if result.is_err_and(Refused::is_fatal) {
             self.is_lost.set(true);
@@ -45,7 +54,7 @@ impl<'a> Instance<'a> {
     }
 
     fn call(&self, name: &str) -> Result<(), Refused> {
-        let function = self.library.function::<Of>(name)?;
+        let function = self.function::<Of>(name)?;
         // SAFETY: the component is alive.
         self.succeeded(unsafe { function(self.component) })
     }
@@ -57,7 +66,7 @@ impl<'a> Instance<'a> {
         stop: Option<f64>,
     ) -> Result<(), Refused> {
         type Setup = unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> Status;
-        let function = self.library.function::<Setup>("fmi2SetupExperiment")?;
+        let function = self.function::<Setup>("fmi2SetupExperiment")?;
         let given = |value: Option<f64>| (c_int::from(value.is_some()), value.unwrap_or(0.0));
         let ((has_tolerance, tolerance), (has_stop, stop)) = (given(tolerance), given(stop));
         // SAFETY: the component is alive.
@@ -84,54 +93,26 @@ impl<'a> Instance<'a> {
 
     pub(crate) fn step(&self, time: f64, step: f64) -> Result<(), Refused> {
         type Step = unsafe extern "C" fn(Component, f64, f64, c_int) -> Status;
-        let function = self.library.function::<Step>("fmi2DoStep")?;
+        let function = self.function::<Step>("fmi2DoStep")?;
         // SAFETY: the component is alive.
         self.succeeded(unsafe { function(self.component, time, step, 0) })
     }
 
-    fn get<T: Copy>(
-        &self,
-        name: &str,
-        references: &[u32],
-        values: &mut [T],
-    ) -> Result<(), Refused> {
-        let function = self.library.function::<Get<T>>(name)?;
-        assert_eq!(references.len(), values.len());
-        // SAFETY: the component is alive and the arrays are of the length that is stated.
-        self.succeeded(unsafe {
-            function(self.component, references.as_ptr(), references.len(), values.as_mut_ptr())
-        })
-    }
-
-    pub(crate) fn reals(&self, references: &[u32]) -> Result<Vec<f64>, Refused> {
-        let mut values = vec![0.0_f64; references.len()];
-        self.get("fmi2GetReal", references, &mut values).map(|()| values)
-    }
-
-    pub(crate) fn integers(&self, references: &[u32]) -> Result<Vec<i32>, Refused> {
-        let mut values = vec![0_i32; references.len()];
-        self.get("fmi2GetInteger", references, &mut values).map(|()| values)
-    }
-
-    pub(crate) fn booleans(&self, references: &[u32]) -> Result<Vec<i32>, Refused> {
-        let mut values = vec![0_i32; references.len()];
-        self.get("fmi2GetBoolean", references, &mut values).map(|()| values)
-    }
-
-    pub(crate) fn strings(&self, references: &[u32]) -> Result<Vec<String>, Refused> {
-        let mut values: Vec<Text> = vec![ptr::null(); references.len()];
-        self.get("fmi2GetString", references, &mut values)?;
-        // SAFETY: the strings are valid until the next call.
-        let text = |value: &Text| unsafe { CStr::from_ptr(*value) }.to_string_lossy().into_owned();
-        Ok(values
-            .iter()
-            .map(|value| if value.is_null() { String::new() } else { text(value) })
-            .collect())
+    /// Turns messages to the logger on or off, of the categories that are given or of all if there are none.
+    pub(crate) fn log(&self, on: bool, categories: &[String]) -> Result<(), Refused> {
+        type Log = unsafe extern "C" fn(Component, c_int, size_t, *const Text) -> Status;
+        let function = self.function::<Log>("fmi2SetDebugLogging")?;
+        let texts: Vec<_> =
+            categories.iter().filter_map(|text| CString::new(text.as_str()).ok()).collect();
+        let pointers: Vec<Text> = texts.iter().map(|text| text.as_ptr()).collect();
+        let first = if pointers.is_empty() { ptr::null() } else { pointers.as_ptr() };
+        // SAFETY: the component is alive and there are so many strings, which outlive the call.
+        self.succeeded(unsafe { function(self.component, c_int::from(on), pointers.len(), first) })
     }
 
     pub(crate) fn save(&self) -> Result<SavedState, Refused> {
         type Save = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
-        let function = self.library.function::<Save>("fmi2GetFMUstate")?;
+        let function = self.function::<Save>("fmi2GetFMUstate")?;
         let mut state = SavedState(ptr::null_mut());
         // SAFETY: the component is alive; NULL asks for a new state.
         self.succeeded(unsafe { function(self.component, &raw mut state.0) }).map(|()| state)
@@ -139,14 +120,14 @@ impl<'a> Instance<'a> {
 
     pub(crate) fn restore(&self, state: &SavedState) -> Result<(), Refused> {
         type Restore = unsafe extern "C" fn(Component, *mut c_void) -> Status;
-        let function = self.library.function::<Restore>("fmi2SetFMUstate")?;
+        let function = self.function::<Restore>("fmi2SetFMUstate")?;
         // SAFETY: component and state are alive.
         self.succeeded(unsafe { function(self.component, state.0) })
     }
 
     pub(crate) fn free(&self, mut state: SavedState) -> Result<(), Refused> {
         type FreeState = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
-        let function = self.library.function::<FreeState>("fmi2FreeFMUstate")?;
+        let function = self.function::<FreeState>("fmi2FreeFMUstate")?;
         // SAFETY: component and state are alive, and the state is used no more.
         self.succeeded(unsafe { function(self.component, &raw mut state.0) })
     }
@@ -154,8 +135,8 @@ impl<'a> Instance<'a> {
     pub(crate) fn serialize(&self, state: &SavedState) -> Result<Vec<u8>, Refused> {
         type Size = unsafe extern "C" fn(Component, *mut c_void, *mut size_t) -> Status;
         type Serialize = unsafe extern "C" fn(Component, *mut c_void, *mut u8, size_t) -> Status;
-        let size_of = self.library.function::<Size>("fmi2SerializedFMUstateSize")?;
-        let function = self.library.function::<Serialize>("fmi2SerializeFMUstate")?;
+        let size_of = self.function::<Size>("fmi2SerializedFMUstateSize")?;
+        let function = self.function::<Serialize>("fmi2SerializeFMUstate")?;
         let mut size = 0;
         // SAFETY: component and state are alive.
         self.succeeded(unsafe { size_of(self.component, state.0, &raw mut size) })?;
@@ -170,7 +151,7 @@ impl<'a> Instance<'a> {
     pub(crate) fn deserialize(&self, bytes: &[u8]) -> Result<SavedState, Refused> {
         type Deserialize =
             unsafe extern "C" fn(Component, *const u8, size_t, *mut *mut c_void) -> Status;
-        let function = self.library.function::<Deserialize>("fmi2DeSerializeFMUstate")?;
+        let function = self.function::<Deserialize>("fmi2DeSerializeFMUstate")?;
         let mut state = SavedState(ptr::null_mut());
         // SAFETY: the component is alive and there are so many bytes.
         self.succeeded(unsafe {
@@ -185,7 +166,7 @@ impl Drop for Instance<'_> {
         if self.is_lost.get() {
             return;
         }
-        if let Ok(free) = self.library.function::<FreeInstance>("fmi2FreeInstance") {
+        if let Ok(free) = self.function::<FreeInstance>("fmi2FreeInstance") {
             // SAFETY: the component is alive and used no more.
             unsafe { free(self.component) }
         }

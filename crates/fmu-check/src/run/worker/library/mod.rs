@@ -5,14 +5,23 @@
 #![allow(unsafe_code)]
 
 mod callbacks;
+mod derivatives;
+#[cfg(unix)]
+mod guarded;
 mod heap;
+mod host;
 mod instance;
 mod status;
+mod values;
 
 pub(super) use callbacks::heard;
+#[cfg(unix)]
+pub(super) use guarded::Side;
 pub(super) use heap::heap;
+pub(super) use host::HostSettings;
 pub(super) use instance::{Instance, SavedState};
 pub(super) use status::Refused;
+pub(super) use values::{Value, function};
 
 use callbacks::Callbacks;
 use libc::{c_char, c_int, c_void};
@@ -87,13 +96,16 @@ impl Library {
         guid: &str,
         location: &str,
         memory_callbacks: bool,
+        logging: bool,
     ) -> Option<Instance<'_>> {
         let make = self.function::<Instantiate>("fmi2Instantiate").ok()?;
         let texts = [c"check".to_owned(), CString::new(guid).ok()?, CString::new(location).ok()?];
         let callbacks = Box::new(Callbacks::new(memory_callbacks));
         let [name, guid, location] = texts.each_ref().map(|text| text.as_ptr());
         // SAFETY: strings and callbacks are as the standard wants them and outlive the instance.
-        let component = unsafe { make(name, 1, guid, location, &raw const *callbacks, 0, 0) };
+        let component = unsafe {
+            make(name, 1, guid, location, &raw const *callbacks, 0, c_int::from(logging))
+        };
         (!component.is_null()).then(|| Instance::new(self, component, callbacks, texts))
     }
 }

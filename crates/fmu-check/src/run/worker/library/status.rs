@@ -26,7 +26,7 @@ impl Refused {
     }
 
     /// `true` if the status is fmi2Fatal, after which no instance may be used.
-    pub(super) fn is_fatal(self) -> bool {
+    pub(crate) fn is_fatal(self) -> bool {
         self == Self::Status(FATAL)
     }
 }
