@@ -144,6 +144,9 @@ EXPORT component fmi2Instantiate(text name, int kind, text guid, text location, 
 #ifdef RANDOM
     made->now.x += getpid() * 1e-9 + (double)(size_t)made * 1e-18;
 #endif
+#ifdef RANDOM_UNSEEDED
+    made->now.x += rand() * 1e-12;
+#endif
     made->logging = logging;
     made->calls = *calls;
     return made;

@@ -10,21 +10,16 @@ use crate::rules::Rule;
 const MOST_PAIRS: usize = 100;
 
 impl Subject<'_> {
-    /// Compares derivatives of outputs by inputs with differences of outputs.
+    /// Compares derivatives of outputs by inputs with differences of outputs, in the initialization: during a run the
+    /// standard forbids reading an output after setting an input without a step between.
     pub(super) fn directional_derivatives(&self, library: &Library) -> Result<(), ReportedFailure> {
         let instance = self.instance(library)?;
-        self.initialize(&instance)?;
-        self.step(&instance, self.plan.start, self.plan.step)?;
+        self.enter_initialization(&instance)?;
         let mut follows = false;
         let mut is_zero = true;
         for (output, input) in self.plan.dependencies.iter().take(MOST_PAIRS) {
             let (output, input) = (&self.plan.outputs[*output], &self.plan.variables[*input]);
-            let call = "fmi2GetDirectionalDerivative";
-            self.at(call);
-            let stated = self.called(
-                &format!("{call} of {} by {}", output.name, input.name),
-                instance.directional(output.reference, input.reference),
-            )?;
+            let stated = self.stated(&instance, output, input)?;
             is_zero &= stated == 0.0;
             let Some(found) = self.by_differences(&instance, output, input)? else { continue };
             follows = true;
@@ -38,10 +33,35 @@ impl Subject<'_> {
         }
         if !follows && !is_zero {
             self.journal.note(
-                "outputs follow inputs in steps only: derivatives of outputs by inputs are not compared with differences",
+                "no output follows an input in the initialization: derivatives of outputs by inputs are not compared with differences",
             );
         }
+        self.exit_initialization(&instance)?;
+        self.step(&instance, self.plan.start, self.plan.step)?;
+        for (output, input) in self.plan.dependencies.iter().take(MOST_PAIRS) {
+            self.stated(&instance, &self.plan.outputs[*output], &self.plan.variables[*input])?;
+        }
         Ok(())
+    }
+
+    /// Returns the derivative of an output by an input that the library states.
+    fn stated(
+        &self,
+        instance: &Instance<'_>,
+        output: &Variable,
+        input: &Variable,
+    ) -> Result<f64, ReportedFailure> {
+        let call = "fmi2GetDirectionalDerivative";
+        self.at(call);
+        let name = format!("{call} of {} by {}", output.name, input.name);
+        let stated = self.called(&name, instance.directional(output.reference, input.reference))?;
+        if !stated.is_finite() {
+            let message =
+                format!("the derivative of {} by {} is {stated}", output.name, input.name);
+            self.journal.finding(Rule::DirectionalDerivative, &message);
+            return Err(ReportedFailure);
+        }
+        Ok(stated)
     }
 
     /// Returns the derivative of an output by an input from differences; `None` if the output does not change at once.
@@ -120,7 +140,6 @@ impl Subject<'_> {
         if references.is_empty() {
             return Ok(());
         }
-        let reference = self.reference(library)?;
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
         let mut held = Vec::new();
@@ -133,7 +152,7 @@ impl Subject<'_> {
             }
             held.push(self.read(&instance, &self.plan.outputs)?);
         }
-        let Some(reference) = reference else { return Ok(()) };
+        let Some(reference) = self.reference(library)? else { return Ok(()) };
         let far = |(one, other): (&Value, &Value)| match (one.real(), other.real()) {
             (Some(one), Some(other)) => (one - other).abs() > 1e-6 * one.abs().max(other.abs()),
             _ => !one.is_same(other),

@@ -7,7 +7,6 @@ use crate::rules::Rule;
 impl Subject<'_> {
     /// Makes a run in which the inputs have other values in every second step.
     pub(super) fn changed_inputs(&self, library: &Library) -> Result<(), ReportedFailure> {
-        let reference = self.reference(library)?;
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
         heard();
@@ -32,7 +31,7 @@ impl Subject<'_> {
             }
             history.push(self.read(&instance, &self.plan.outputs)?);
         }
-        let Some(reference) = reference else { return Ok(()) };
+        let Some(reference) = self.reference(library)? else { return Ok(()) };
         let is_finite = |history: &Vec<Vec<Value>>| {
             let mut values = history.iter().flatten().filter_map(Value::real);
             values.all(f64::is_finite)

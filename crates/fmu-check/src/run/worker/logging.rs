@@ -7,7 +7,6 @@ use crate::rules::Rule;
 impl Subject<'_> {
     /// Makes a run in which the library logs all that it can, and compares it with a run without.
     pub(super) fn logging(&self, library: &Library) -> Result<(), ReportedFailure> {
-        let reference = self.reference(library)?;
         self.at("fmi2Instantiate with logging on");
         let Some(instance) = library.instantiate(&self.plan.guid, &self.location(), true, true)
         else {
@@ -27,6 +26,7 @@ impl Subject<'_> {
         logged.extend(self.steps(&instance, middle, self.plan.steps)?);
         self.at("fmi2Terminate");
         self.called("fmi2Terminate", instance.terminate())?;
+        let reference = self.reference(library)?;
         let difference = reference.and_then(|reference| self.difference(&reference, &logged));
         if let Some(difference) = difference {
             let message = format!("in the run with logging on, {difference}");

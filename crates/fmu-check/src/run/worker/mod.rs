@@ -50,6 +50,8 @@ pub(super) fn run(
     if !subject.applies(trial) {
         return Some(());
     }
+    // A model that is random by intent may use this generator without a seed of its own. Runs of two processes then differ.
+    library::seed(trial as u32 + 1);
     let library = subject.load()?;
     subject.make(trial, library, timeout).ok()
 }

@@ -6,7 +6,7 @@ use super::{ReportedFailure, Subject};
 use crate::rules::Rule;
 
 impl Subject<'_> {
-    /// Makes the run that every host makes, and repeats it after a reset.
+    /// Makes the run that every host makes, and once more after a reset.
     pub(super) fn plain(&self, library: &Library) -> Result<(), ReportedFailure> {
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
@@ -16,25 +16,9 @@ impl Subject<'_> {
         self.finite(&first);
         self.at("fmi2Terminate");
         self.called("fmi2Terminate", instance.terminate())?;
-        let again = self.after_reset(&instance, "after fmi2Terminate")?;
+        self.after_reset(&instance, "after fmi2Terminate")?;
         self.at("fmi2FreeInstance");
-        drop(instance);
-        let Some(difference) = self.difference(&first, &again) else { return Ok(()) };
-        if self.is_random(library, &first)? {
-            self.journal.note(
-                "a run after fmi2Reset and one of a second instance give other outputs than the first run, as a model may intend: runs after a reset and from saved states are not compared",
-            );
-        } else {
-            let message = format!("in the run after fmi2Reset, {difference}");
-            self.journal.finding(Rule::ResetDiffers, &message);
-        }
         Ok(())
-    }
-
-    /// `true` if a new instance gives other outputs than the first run: some models are random by intent.
-    fn is_random(&self, library: &Library, first: &OutputHistory) -> Result<bool, ReportedFailure> {
-        Ok(!self.plan.abilities.once_per_process
-            && self.difference(first, &self.fresh(library)?).is_some())
     }
 
     /// Compares variables with their start values after the initialization: before its end the standard allows hosts to
@@ -70,13 +54,19 @@ impl Subject<'_> {
         self.steps(&instance, 0, self.plan.steps)
     }
 
-    /// Makes the run of a new instance; `None` if a second one gives other outputs, which a model may intend.
+    /// `true` if a run from the start gave what the first trial's gave in another process. Otherwise the model is random
+    /// by intent, or an output is an address of memory, and runs are not compared.
+    pub(super) fn is_first_run(&self, history: &OutputHistory) -> bool {
+        self.journal.is_first_run(fingerprint(history))
+    }
+
+    /// Makes the run of a new instance; `None` if it cannot be compared.
     pub(super) fn reference(
         &self,
         library: &Library,
     ) -> Result<Option<OutputHistory>, ReportedFailure> {
-        let (first, second) = (self.fresh(library)?, self.fresh(library)?);
-        Ok(self.difference(&first, &second).is_none().then_some(first))
+        let first = self.fresh(library)?;
+        Ok(self.is_first_run(&first).then_some(first))
     }
 
     /// Makes the run after a reset.
@@ -95,28 +85,49 @@ impl Subject<'_> {
     /// Resets an instance before, in and after its initialization and in the middle of its run.
     pub(super) fn resets(&self, library: &Library) -> Result<(), ReportedFailure> {
         let instance = self.instance(library)?;
-        let first = self.after_reset(&instance, "before the initialization")?;
-        let again = self.after_reset(&instance, "after the last step")?;
-        if self.difference(&first, &again).is_some() {
-            // The first trial has reported it.
+        self.initialize(&instance)?;
+        let first = self.steps(&instance, 0, self.plan.steps)?;
+        if !self.is_first_run(&first) {
+            self.journal.note(
+                "each process gives other outputs, as those of a model that is random by intent or addresses of memory do: runs are not compared",
+            );
             return Ok(());
         }
-        for when in ["in the initialization", "after the initialization", "before the last step"] {
-            self.at("fmi2Reset after the last step");
-            self.called("fmi2Reset after the last step", instance.reset())?;
-            self.enter_initialization(&instance)?;
-            if when != "in the initialization" {
-                self.exit_initialization(&instance)?;
-            }
-            if when == "before the last step" {
-                self.steps(&instance, 0, self.plan.steps - 1)?;
-            }
+        for when in [
+            "after the last step",
+            "before the initialization",
+            "in the initialization",
+            "after the initialization",
+            "before the last step",
+        ] {
+            self.prepare(&instance, when)?;
             let again = self.after_reset(&instance, when)?;
             if let Some(difference) = self.difference(&first, &again) {
                 let message = format!("in the run after fmi2Reset {when}, {difference}");
                 self.journal.finding(Rule::ResetDiffers, &message);
                 break;
             }
+        }
+        Ok(())
+    }
+
+    /// Brings an instance from the end of its run to the moment of a reset.
+    fn prepare(&self, instance: &Instance<'_>, when: &str) -> Result<(), ReportedFailure> {
+        if when == "after the last step" {
+            return Ok(());
+        }
+        self.at("fmi2Reset after the last step");
+        self.called("fmi2Reset after the last step", instance.reset())?;
+        if when == "before the initialization" {
+            return Ok(());
+        }
+        self.enter_initialization(instance)?;
+        if when == "in the initialization" {
+            return Ok(());
+        }
+        self.exit_initialization(instance)?;
+        if when == "before the last step" {
+            self.steps(instance, 0, self.plan.steps - 1)?;
         }
         Ok(())
     }
@@ -130,7 +141,7 @@ impl Subject<'_> {
         self.at("fmi2GetFMUstate");
         let state = self.called("fmi2GetFMUstate", instance.save())?;
         let rest = self.steps(&instance, middle, self.plan.steps)?;
-        if self.is_random(library, &[first, rest.clone()].concat())? {
+        if !self.is_first_run(&[first, rest.clone()].concat()) {
             return Ok(());
         }
         self.resume(&instance, &state, &rest, Rule::StateDiffers)?;

@@ -26,7 +26,12 @@ impl Phase {
 
     /// `true` if FMI 2.0 allows that a host sets the variable in this phase.
     fn allows(self, variable: &Variable) -> bool {
-        self != Self::Run || matches!(variable.role, Role::Input | Role::Tunable)
+        match self {
+            // Inputs have no `initial`, which the standard asks for here.
+            Self::Before => variable.role != Role::Input,
+            Self::Initialization => true,
+            Self::Run => matches!(variable.role, Role::Input | Role::Tunable),
+        }
     }
 }
 
@@ -150,16 +155,18 @@ impl Subject<'_> {
             set()?;
         }
         calls("fmi2ExitInitializationMode", &|| instance.exit_initialization())?;
+        // During a run the standard allows reading only once a step has followed the setting, and no step after the last.
+        let mut time = start;
         if phase == Phase::Run {
+            if self.plan.steps == 1 {
+                return Ok(());
+            }
             calls("fmi2DoStep", &|| instance.step(start, step))?;
+            time = self.time(1);
             set()?;
+        } else {
+            self.read_back(instance, group, when)?;
         }
-        self.read_back(instance, group, when)?;
-        // A step after the last would leave the run.
-        if phase == Phase::Run && self.plan.steps == 1 {
-            return Ok(());
-        }
-        let time = if phase == Phase::Run { self.time(1) } else { start };
         calls("fmi2DoStep", &|| instance.step(time, step))?;
         self.read_back(instance, group, when)
     }

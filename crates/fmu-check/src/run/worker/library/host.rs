@@ -1,4 +1,4 @@
-//! Settings of the process that belong to the host: how floating point is computed, and who handles signals.
+//! What belongs to the host in a process: how floating point is computed, who handles signals, and random numbers.
 
 /// Settings of the host that a library must leave as they are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,4 +51,10 @@ fn signals() -> Vec<usize> {
 #[cfg(not(unix))]
 fn signals() -> Vec<usize> {
     Vec::new()
+}
+
+/// Seeds the C library's generator of random numbers.
+pub(crate) fn seed(number: u32) {
+    // SAFETY: no other thread of the process uses the generator.
+    unsafe { libc::srand(number) }
 }

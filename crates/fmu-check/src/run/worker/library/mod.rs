@@ -18,7 +18,7 @@ pub(super) use callbacks::heard;
 #[cfg(unix)]
 pub(super) use guarded::Side;
 pub(super) use heap::heap;
-pub(super) use host::HostSettings;
+pub(super) use host::{HostSettings, seed};
 pub(super) use instance::{Instance, SavedState};
 pub(super) use status::Refused;
 pub(super) use values::{Value, function};
