@@ -1,7 +1,8 @@
 //! Runs that must give the outputs of the first run: after resets, and from saved states.
 
 use super::experiment::{OutputHistory, fingerprint};
-use super::library::{Instance, Library, SavedState, Value};
+use super::library::{Instance, Library, SavedState};
+use super::plan::{Role, Variable};
 use super::{ReportedFailure, Subject};
 use crate::rules::Rule;
 
@@ -24,19 +25,13 @@ impl Subject<'_> {
     /// Compares variables with their start values after the initialization: before its end the standard allows hosts to
     /// read outputs and states only. Inputs, parameters and constants are changed by hosts alone.
     fn starts(&self, instance: &Instance<'_>) -> Result<(), ReportedFailure> {
-        let is_exact = |variable: &&super::plan::Variable| {
-            variable.role.keeps_value() || variable.role == super::plan::Role::Constant
-        };
+        let is_exact =
+            |variable: &&Variable| variable.role.keeps_value() || variable.role == Role::Constant;
         let variables: Vec<_> = self.plan.variables.iter().filter(is_exact).cloned().collect();
         let found = self.read(instance, &variables)?;
         for (variable, found) in variables.iter().zip(found) {
             let Some(start) = &variable.start else { continue };
-            let is_equal = match (&found, start) {
-                // Zero has two signs.
-                (Value::Real(found), Value::Real(start)) => found == start,
-                _ => found.is_same(start),
-            };
-            if !is_equal {
+            if !start.agrees_with(&found) {
                 let name = &variable.name;
                 let message = format!(
                     "{name} is {found} after initialization, but its start value is {start}"

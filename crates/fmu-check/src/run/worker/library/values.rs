@@ -34,6 +34,16 @@ impl Value {
         }
     }
 
+    /// `true` if a value that was stated or set is the one that is found, if only in single precision.
+    pub(crate) fn agrees_with(&self, found: &Self) -> bool {
+        match (self, found) {
+            (Self::Real(stated), Self::Real(found)) => {
+                (stated - found).abs() <= 1e-6 * stated.abs()
+            }
+            _ => self.is_same(found),
+        }
+    }
+
     /// The value as a Real; `None` if it is of another type.
     pub(crate) fn real(&self) -> Option<f64> {
         if let Self::Real(value) = self { Some(*value) } else { None }
