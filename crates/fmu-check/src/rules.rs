@@ -216,9 +216,10 @@ rules! {
         StartDiffers "start-differs" "inputs, parameters and constants have their start values after initialization" Defect;
         OutputNotFinite "output-not-finite" "Real outputs are finite" Defect;
         ValueLost "value-lost" "inputs and parameters keep a value that was accepted" Defect;
-        RefusalSilent "refusal-silent" "whoever refuses a value tells the logger why" Hint;
+        RefusalSilent "refusal-silent" "a library that refuses a value tells the logger why" Hint;
         ResetDiffers "reset-differs" "a run after fmi2Reset gives the same outputs" Defect;
         StateDiffers "state-differs" "a run from a saved state gives the same outputs" Defect;
+        FreeState "free-state" "fmi2FreeFMUstate ignores NULL, and sets the pointer of a freed state to NULL" Defect;
         SerializedStateDiffers "serialized-state-differs" "a run from a serialized state gives the same outputs" Defect;
         InstancesDiffer "instances-differ" "instances of one process do not affect each other" Defect;
         LoggingDiffers "logging-differs" "a run with logging on gives the same outputs" Defect;
@@ -228,9 +229,10 @@ rules! {
         ArrayBounds "array-bounds" "calls stay within the host's arrays, and do not write to those that they are to read" Defect;
         MemoryErrors "memory-errors" "valgrind finds no wrong access to memory, and no use of values that were never set" Defect;
         FloatingPointMode "floating-point-mode" "rounding, denormal numbers and traps of floating point stay as the host has set them" Defect;
+        ProcessSettings "process-settings" "working folder, locale and blocked signals stay as the host has set them" Defect;
         SignalHandlers "signal-handlers" "handlers of signals stay as the host has set them" Hint;
         WritesFiles "writes-files" "nothing is written into the working folder of the host" Hint;
-        MemoryGrowth "memory-growth" "memory does not grow as instances are made and freed" Defect;
+        MemoryGrowth "memory-growth" "memory and open files do not grow as instances are made and freed" Defect;
         Prints "prints" "messages go to the logger, not to standard output or standard error" Defect;
         Crash "crash" "the library does not crash" Defect;
         Exit "exit" "the library does not end the process" Defect;

@@ -28,6 +28,9 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
     for index in &derivatives {
         let Some(derivative) = lists.variables.get(index) else { continue };
         let Some(state) = derivative.derivative_of() else {
+            if description.ignores_derivatives() {
+                continue;
+            }
             let message =
                 format!("Derivatives lists {}, which has no attribute derivative", derivative.name);
             report.add(Rule::DerivativesList, place("Derivatives"), message);
@@ -114,7 +117,11 @@ impl Lists<'_> {
                     "dependencies lists variable {index} ({}), on which nothing in {list} can depend; allowed are {known} and the independent variable",
                     variable.name
                 );
-                report.add(Rule::DependenciesKnown, unknown.place(), message);
+                // Examples of the standard's makers list fixed parameters.
+                let is_common =
+                    variable.causality == "parameter" && variable.variability == "fixed";
+                let class = if is_common { Class::Hint } else { Rule::DependenciesKnown.class() };
+                report.add_as(class, Rule::DependenciesKnown, unknown.place(), message);
             }
         }
         if let Some(pair) = indices.windows(2).find(|pair| pair[0] > pair[1]) {

@@ -41,7 +41,9 @@ pub(super) fn examine(
         .entries
         .iter()
         .any(|entry| entry.name.starts_with("sources/") && !entry.is_folder());
-    if folders.is_empty() && !has_sources {
+    // Under a name with backslashes, which is reported with the archive, a library may lie there for some hosts.
+    let has_others = archive.entries.iter().any(|entry| entry.name.starts_with("binaries\\"));
+    if folders.is_empty() && !has_sources && !has_others {
         report.add(
             Rule::LibraryMissing,
             "binaries/",

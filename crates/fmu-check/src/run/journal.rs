@@ -120,28 +120,42 @@ pub(super) fn state(text: &str) -> State {
 }
 
 /// Rules whose findings in several trials have one cause, if in other words.
-const TOLD_ONCE: [Rule; 6] = [
+const TOLD_ONCE: [Rule; 7] = [
     Rule::Prints,
     Rule::LeavesProcesses,
     Rule::WritesFiles,
     Rule::OutputNotFinite,
     Rule::SignalHandlers,
     Rule::FloatingPointMode,
+    Rule::ProcessSettings,
 ];
 
 /// Adds the findings and notes of a journal about `library` to the report. What several trials find is told once.
 pub(super) fn report(text: &str, library: &str, report: &mut Report) {
     let mut told = HashSet::new();
+    let mut trial = "";
+    let mut has_result = false;
     for (kind, text) in text.lines().filter_map(|line| line.split_once('\t')) {
-        let rule = Rule::named(kind);
+        if kind == "trial" {
+            trial = text;
+        }
+        // A library may run otherwise under valgrind; only what valgrind says of it counts.
+        let rule =
+            Rule::named(kind).filter(|rule| trial != "Valgrind" || *rule == Rule::MemoryErrors);
         let is_told_once = rule.is_some_and(|rule| TOLD_ONCE.contains(&rule));
         if !told.insert((kind, if is_told_once { "" } else { text })) {
             continue;
         }
+        has_result |= kind == "made" || rule.is_some();
         if kind == "note" {
             report.note(text);
         } else if let Some(rule) = rule {
             report.add(rule, library, text);
         }
+    }
+    if !has_result {
+        report.note(
+            "the run has left no result: the library may have removed files that are not its own",
+        );
     }
 }

@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// The subcommand by which a program calls [`run_library`].
+/// The subcommand by which a program calls [`run_in_process`](crate::command::run_in_process).
 pub const COMMAND: &str = "run-library";
 
 const JOURNAL: &str = "journal";
@@ -56,12 +56,14 @@ pub(super) fn examine(
     }
     let folder =
         tempfile::Builder::new().prefix("fmu-check-").tempdir().map_err(|error| failed(&error))?;
-    if let Err(error) = unpack(archive, library, &folder.path().join("fmu")) {
+    // The system names files by their real paths.
+    let real = folder.path().canonicalize().map_err(|error| failed(&error))?;
+    if let Err(error) = unpack(archive, library, &real.join("fmu")) {
         report.note(format!("{library} is not run: {error}"));
         return Ok(Some(()));
     }
-    let journal = folder.path().join(JOURNAL);
-    let mut child = supervise(folder.path(), library, options).map_err(|error| failed(&error))?;
+    let journal = real.join(JOURNAL);
+    let mut child = supervise(&real, library, options).map_err(|error| failed(&error))?;
     let Some(status) = wait(&mut child, &journal, watch).map_err(|error| failed(&error))? else {
         return Ok(None);
     };
@@ -69,7 +71,7 @@ pub(super) fn examine(
         return Err(failed(&format!("the process that supervises it ended early ({status})")));
     }
     // The folder has another name in each run, so findings do not show it.
-    let told = journal::text(&journal).replace(&*folder.path().to_string_lossy(), "/…");
+    let told = journal::text(&journal).replace(&*real.to_string_lossy(), "/…");
     journal::report(&told, library, report);
     Ok(Some(()))
 }

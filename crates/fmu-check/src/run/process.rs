@@ -187,6 +187,11 @@ pub(super) fn addresses() -> Option<u64> {
     pages("/proc/self/statm", 0)
 }
 
+/// Number of files that this process has open; `None` if the system does not report it.
+pub(super) fn open_files() -> Option<u64> {
+    std::fs::read_dir("/proc/self/fd").ok().map(|entries| entries.count() as u64)
+}
+
 fn pages(path: &str, column: usize) -> Option<u64> {
     const PAGE: u64 = 4096;
     let text = std::fs::read_to_string(path).ok()?;

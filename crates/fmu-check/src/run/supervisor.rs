@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 
 /// File of what the worker prints.
 const OUTPUT: &str = "output";
-/// The worker's working folder.
-const WORK: &str = "work";
+/// Number of trials that may reach a limit before the others are left out.
+const MOST_LIMITS: u32 = 2;
 
 enum WorkerEnd {
     Status(ExitStatus),
@@ -44,14 +44,21 @@ pub(super) fn run(
         let _ = io::copy(&mut io::stdin().lock(), &mut io::sink());
         told.store(true, Ordering::Relaxed);
     });
-    for &trial in Trial::value_variants() {
-        let is_watched = trial == Trial::Valgrind;
-        if is_watched && !(with_valgrind && valgrind::is_there(journal)) {
+    // Other trials make several runs; a library that takes long for two takes as long for each.
+    let mut limit = timeout;
+    let mut limits = 0;
+    let mut trials = Trial::value_variants().iter();
+    for &trial in trials.by_ref() {
+        let is_valgrind = trial == Trial::Valgrind;
+        if is_valgrind && !(with_valgrind && valgrind::is_there(journal)) {
             continue;
         }
         journal.trial(trial);
-        let mut worker = start(folder, library, trial, timeout)?;
-        let end = wait(&mut worker, timeout, &unwanted);
+        // A folder of its own: nobody knows what an earlier trial has made of another.
+        let work = folder.join(format!("work-{}", name(trial)));
+        let begin = Instant::now();
+        let mut worker = start(folder, &work, library, trial, limit)?;
+        let end = wait(&mut worker, limit, &unwanted);
         if !matches!(end, WorkerEnd::Status(_)) {
             process::end(&mut worker);
         }
@@ -59,9 +66,10 @@ pub(super) fn run(
         let output = fs::read(folder.join(OUTPUT)).unwrap_or_default();
         let output = String::from_utf8_lossy(&output);
         let state = journal::state(&journal.text());
-        if is_watched {
-            valgrind::report(folder, library, state.done, journal);
-        } else if let Some((rule, message)) = judge(&end, &state, left, output.trim(), timeout) {
+        if is_valgrind {
+            let is_late = matches!(end, WorkerEnd::Late);
+            valgrind::report(folder, library, state.made, is_late, journal);
+        } else if let Some((rule, message)) = judge(&end, &state, left, output.trim(), limit) {
             // Values beside the start values may ask for more than a run takes.
             if trial.sets_values() && matches!(rule, Rule::TimeLimit | Rule::MemoryLimit) {
                 journal.note(&format!("the library is not tried to the end: {message}"));
@@ -69,37 +77,62 @@ pub(super) fn run(
                 journal.finding(rule, &message);
             }
         }
-        report_files(&folder.join(WORK), journal)?;
+        report_files(&work, journal);
         match end {
             WorkerEnd::Unwanted => return Ok(()),
-            WorkerEnd::Late | WorkerEnd::Large if !is_watched && !trial.sets_values() => break,
-            _ if trial == Trial::Plain && !state.made => break,
-            _ => {}
+            WorkerEnd::Late | WorkerEnd::Large => limits += 1,
+            WorkerEnd::Status(_) => {}
         }
+        if trial == Trial::Plain {
+            if !state.made {
+                return Ok(());
+            }
+            limit = timeout + 10 * begin.elapsed();
+        }
+        if limits == MOST_LIMITS {
+            break;
+        }
+    }
+    let rest: Vec<String> = trials.map(|trial| name(*trial)).collect();
+    if !rest.is_empty() {
+        journal.note(&format!(
+            "after {MOST_LIMITS} trials that reached a limit, others are left out: {}",
+            rest.join(", ")
+        ));
     }
     Ok(())
 }
 
-/// Reports the files that a worker has left in its working folder, and removes the folder.
-fn report_files(work: &Path, journal: &Journal) -> io::Result<()> {
-    let mut names: Vec<String> = fs::read_dir(work)?
-        .map(|entry| entry.map(|entry| entry.file_name().to_string_lossy().into_owned()))
-        .collect::<io::Result<_>>()?;
-    names.sort();
-    if let Some(first) = names.first() {
-        let message = format!(
-            "writes into the working folder of the host: {first}{}",
-            if names.len() > 1 { format!(" and {} more", names.len() - 1) } else { String::new() }
-        );
-        journal.finding(Rule::WritesFiles, &message);
-    }
-    fs::remove_dir_all(work)
+/// The name of a trial, as a worker is told it.
+fn name(trial: Trial) -> String {
+    let value = trial.to_possible_value().expect("every trial has a name");
+    value.get_name().to_owned()
 }
 
-fn start(folder: &Path, library: &str, trial: Trial, timeout: Duration) -> io::Result<Child> {
+/// Reports the files that a worker has left in its working folder.
+fn report_files(work: &Path, journal: &Journal) {
+    // The library may have removed the folder.
+    let Ok(entries) = fs::read_dir(work) else { return };
+    let mut names: Vec<String> =
+        entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    if let [first, rest @ ..] = &names[..] {
+        let more =
+            if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
+        let message = format!("writes into the working folder of the host: {first}{more}");
+        journal.finding(Rule::WritesFiles, &message);
+    }
+}
+
+fn start(
+    folder: &Path,
+    work: &Path,
+    library: &str,
+    trial: Trial,
+    timeout: Duration,
+) -> io::Result<Child> {
     let output = File::create(folder.join(OUTPUT))?;
-    let work = folder.join(WORK);
-    fs::create_dir(&work)?;
+    fs::create_dir(work)?;
     let program = std::env::current_exe()?;
     let mut command = if trial == Trial::Valgrind {
         valgrind::command(folder, &program)
@@ -107,12 +140,10 @@ fn start(folder: &Path, library: &str, trial: Trial, timeout: Duration) -> io::R
         Command::new(program)
     };
     super::arguments(&mut command, folder, library, timeout);
-    let trial = trial.to_possible_value();
-    let trial = trial.as_ref().map_or("", clap::builder::PossibleValue::get_name);
     command
         // Memory in a thread's cache counts as in use; without the cache the heap is counted exactly.
         .env("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
-        .args([format!("--trial={trial}"), format!("--supervisor={}", std::process::id())])
+        .args([format!("--trial={}", name(trial)), format!("--supervisor={}", std::process::id())])
         .current_dir(work)
         .stdin(Stdio::null())
         .stdout(output.try_clone()?)
@@ -156,7 +187,7 @@ fn judge(
     Some(match end {
         WorkerEnd::Unwanted => return None,
         WorkerEnd::Late => {
-            let seconds = timeout.as_secs_f64();
+            let seconds = timeout.as_secs();
             (Rule::TimeLimit, format!("does not finish within {seconds} s; stopped during {stage}"))
         }
         WorkerEnd::Large => {

@@ -17,6 +17,8 @@ pub(crate) enum Trial {
     Space,
     /// NULL for the memory callbacks.
     NullCallbacks,
+    /// A reset of a new instance.
+    ResetNew,
     /// Resets in all phases.
     Reset,
     /// Reading and setting of all variables.
@@ -46,21 +48,16 @@ pub(crate) enum Trial {
 }
 
 impl Trial {
-    /// `true` if the trial sets variables to other values than their start values.
+    /// `true` if the trial sets parameters to other values than their start values, which may ask for more time.
     pub(super) const fn sets_values(self) -> bool {
-        matches!(self, Self::Variables | Self::Inputs | Self::Instances)
+        matches!(self, Self::Variables | Self::Instances)
     }
 
     /// `true` if the trial makes more than one instance in its process.
     pub(super) const fn needs_instances(self) -> bool {
         matches!(
             self,
-            Self::Variables
-                | Self::Inputs
-                | Self::Instances
-                | Self::InputDerivatives
-                | Self::Logging
-                | Self::Memory
+            Self::Inputs | Self::Instances | Self::InputDerivatives | Self::Logging | Self::Memory
         )
     }
 }

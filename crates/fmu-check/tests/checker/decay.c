@@ -1,4 +1,5 @@
-/* A model of one state, x' = rate (u - x), for FMI 2.0; with -DFAULT_... it breaks one rule. */
+/* A model of one state, x' = rate (u - x), for FMI 2.0; with -DFAULT_... it breaks one rule.
+   With -DSTRICT it aborts on calls that the state machine of FMI 2.0, section 4.2.4, forbids. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +18,16 @@ typedef struct {
     void *environment;
 } callbacks;
 
-enum { OK = 0, ERROR = 3, FATAL = 4 };
+enum { OK = 0, WARNING = 1, DISCARD = 2, ERROR = 3, FATAL = 4 };
+/* SET: an input was set during the run, and nothing may be read before the next step. */
+enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPED = 4, SET = 8, FAILED = 16, ERRONEOUS = 32, TERMINATED = 64 };
+#ifdef STRICT
+#define ALLOWED(states) if (!(((instance *)c)->phase & (states))) abort()
+#define FORBID(condition) if (condition) abort()
+#else
+#define ALLOWED(states)
+#define FORBID(condition)
+#endif
 
 typedef struct {
     double x, u, rate;
@@ -26,9 +36,13 @@ typedef struct {
 
 typedef struct {
     state now;
-    int entered, initialized, logging;
+    int entered, initialized, logging, phase;
     callbacks calls;
 } instance;
+
+static void tell(instance *self, const char *words) {
+    self->calls.logger(self->calls.environment, "x", ERROR, "logStatusError", "%s", words);
+}
 
 #define GUID "{4c1c4b2e-58d6-4c25-8b0e-2f0a3f1f6f11}"
 #define EXPORT __attribute__((visibility("default")))
@@ -74,6 +88,12 @@ EXPORT text fmi2GetVersion(void) {
 EXPORT component fmi2Instantiate(text name, int kind, text guid, text location, const callbacks *calls, int visible,
                                  int logging) {
     (void)visible;
+#ifdef FAULT_folder
+    if (chdir("/") != 0) return NULL;
+#endif
+#ifdef FAULT_files
+    dup(0);
+#endif
 #ifdef FAULT_handler
     signal(SIGFPE, SIG_IGN);
 #endif
@@ -148,6 +168,7 @@ EXPORT component fmi2Instantiate(text name, int kind, text guid, text location, 
     made->now.x += rand() * 1e-12;
 #endif
     made->logging = logging;
+    made->phase = INSTANTIATED;
     made->calls = *calls;
     return made;
 }
@@ -165,23 +186,40 @@ EXPORT void fmi2FreeInstance(component c) {
 }
 
 EXPORT int fmi2SetupExperiment(component c, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
+    ALLOWED(INSTANTIATED);
     (void)c; (void)has_tolerance; (void)tolerance; (void)start; (void)has_stop; (void)stop;
     return OK;
 }
 
 EXPORT int fmi2EnterInitializationMode(component c) {
+    ALLOWED(INSTANTIATED);
     instance *self = c;
+    self->phase = INITIALIZATION;
 #ifdef FAULT_reset_phase
     if (self->entered) self->now.x += 1;
 #endif
     self->entered = 1;
     return OK;
 }
-EXPORT int fmi2ExitInitializationMode(component c) { ((instance *)c)->initialized = 1; return OK; }
-EXPORT int fmi2Terminate(component c) { (void)c; return OK; }
+EXPORT int fmi2ExitInitializationMode(component c) {
+    ALLOWED(INITIALIZATION);
+    instance *self = c;
+    self->initialized = 1;
+    self->phase = STEPPED;
+    return OK;
+}
+
+EXPORT int fmi2Terminate(component c) {
+    ALLOWED(STEPPED | SET | FAILED);
+    ((instance *)c)->phase = TERMINATED;
+    return OK;
+}
 
 EXPORT int fmi2Reset(component c) {
     instance *self = c;
+#ifdef FAULT_reset_value
+    double before = self->now.rate;
+#endif
 #ifdef FAULT_reset
     self->now.count = 0;
 #else
@@ -190,14 +228,33 @@ EXPORT int fmi2Reset(component c) {
 #ifdef FAULT_reset_phase
     if (self->entered && !self->initialized) return OK;
 #endif
+#ifdef FAULT_reset_value
+    self->now.rate = before;
+#endif
     self->entered = self->initialized = 0;
+    self->phase = INSTANTIATED;
     return OK;
 }
 
 EXPORT int fmi2DoStep(component c, double time, double step, int keep) {
+    ALLOWED(STEPPED | SET);
     (void)time;
     (void)keep;
     instance *self = c;
+    self->phase = STEPPED;
+#ifdef DISCARDS
+    if (self->now.count == 3) {
+        self->phase = FAILED;
+        return DISCARD;
+    }
+#endif
+#ifdef REFUSES_STEP
+    if (self->now.rate != START.rate || self->now.u != START.u) {
+        tell(self, "no step with such values");
+        self->phase = ERRONEOUS;
+        return ERROR;
+    }
+#endif
 #ifdef FAULT_hang
     for (;;) sleep(1);
 #endif
@@ -211,12 +268,12 @@ EXPORT int fmi2DoStep(component c, double time, double step, int keep) {
     exit(3);
 #endif
 #ifdef FAULT_fails
-    self->calls.logger(self->calls.environment, "x", ERROR, "logStatusError", "no convergence");
+    tell(self, "no convergence");
     return ERROR;
 #endif
 #ifdef FAULT_steps
     if (step < 0.0625) {
-        self->calls.logger(self->calls.environment, "x", ERROR, "logStatusError", "the step is too small");
+        tell(self, "the step is too small");
         return ERROR;
     }
 #endif
@@ -243,6 +300,7 @@ EXPORT int fmi2DoStep(component c, double time, double step, int keep) {
 }
 
 EXPORT int fmi2GetReal(component c, const unsigned *which, size_t count, double *values) {
+    ALLOWED(INITIALIZATION | STEPPED | FAILED | ERRONEOUS | TERMINATED);
     const state *now = &((instance *)c)->now;
     for (size_t i = 0; i < count; i++) {
         double all[] = {0, now->x, now->rate * (now->u - now->x), now->u, now->rate, 9.81};
@@ -264,13 +322,18 @@ EXPORT int fmi2GetReal(component c, const unsigned *which, size_t count, double 
 }
 
 EXPORT int fmi2GetInteger(component c, const unsigned *which, size_t count, int *values) {
+    ALLOWED(INITIALIZATION | STEPPED | FAILED | ERRONEOUS | TERMINATED);
     for (size_t i = 0; i < count; i++) values[i] = which[i] == 0 ? ((instance *)c)->now.count : ((instance *)c)->now.mode;
     return OK;
 }
 
 EXPORT int fmi2GetBoolean(component c, const unsigned *which, size_t count, int *values) {
+    ALLOWED(INITIALIZATION | STEPPED | FAILED | ERRONEOUS | TERMINATED);
     (void)which;
     for (size_t i = 0; i < count; i++) values[i] = ((instance *)c)->now.x != 0;
+#ifdef FAULT_boolean
+    for (size_t i = 0; i < count; i++) values[i] = -values[i];
+#endif
     return OK;
 }
 
@@ -282,32 +345,62 @@ EXPORT int fmi2GetString(component c, const unsigned *which, size_t count, text 
 }
 
 EXPORT int fmi2SetReal(component c, const unsigned *which, size_t count, const double *values) {
-    state *now = &((instance *)c)->now;
+    instance *self = c;
+    state *now = &self->now;
+    ALLOWED(INSTANTIATED | INITIALIZATION | STEPPED | SET);
+    if (self->phase == STEPPED) self->phase = SET;
     for (size_t i = 0; i < count; i++) {
+        FORBID(self->phase == INSTANTIATED && which[i] == 3);
 #ifdef FAULT_value
-        if (which[i] == 4 && ((instance *)c)->initialized) continue;
+        if (which[i] == 4 && self->initialized) continue;
 #endif
-#if defined FAULT_silent || defined REFUSES
+#if defined REFUSES || defined FAULT_silent
         if (which[i] == 4 && values[i] != START.rate) {
 #ifdef REFUSES
-            callbacks *calls = &((instance *)c)->calls;
-            calls->logger(calls->environment, "x", ERROR, "logStatusError", "the rate is fixed to %f", START.rate);
+            self->calls.logger(self->calls.environment, "x", ERROR, "logStatusError", "the rate is fixed to %f", START.rate);
 #endif
+            self->phase = ERRONEOUS;
             return ERROR;
         }
 #endif
+#ifdef REFUSES_INPUT
+        if (which[i] == 3 && values[i] != START.u) {
+            tell(self, "the input is fixed");
+            self->phase = ERRONEOUS;
+            return ERROR;
+        }
+#endif
+#ifdef FAULT_kills
+        if (which[i] == 4 && values[i] != START.rate) return FATAL;
+#endif
         if (which[i] == 3) now->u = values[i];
+#ifdef CLAMPS
+        if (which[i] == 4) continue;
+#endif
         if (which[i] == 4) now->rate = values[i];
+#ifdef FAULT_only_first
+        if (self->initialized) break;
+#endif
     }
+#ifdef CLAMPS
+    tell(self, "the rate stays as it is");
+    return WARNING;
+#else
     return OK;
+#endif
 }
 
 EXPORT int fmi2SetInteger(component c, const unsigned *which, size_t count, const int *values) {
+    ALLOWED(INSTANTIATED | INITIALIZATION);
+#ifdef MODES
+    FORBID(values[0] != 2);
+#endif
     for (size_t i = 0; i < count; i++) if (which[i] == 1) ((instance *)c)->now.mode = values[i];
     return OK;
 }
 
 EXPORT int fmi2SetString(component c, const unsigned *which, size_t count, const text *values) {
+    ALLOWED(INSTANTIATED | INITIALIZATION);
     (void)c; (void)which; (void)count; (void)values;
     return OK;
 }
@@ -321,9 +414,17 @@ EXPORT int fmi2SetDebugLogging(component c, int on, size_t count, const text *ca
 #ifndef FAULT_function
 EXPORT int fmi2GetDirectionalDerivative(component c, const unsigned *unknown, size_t unknowns, const unsigned *known,
                                         size_t knowns, const double *direction, double *found) {
+    ALLOWED(INITIALIZATION | STEPPED | SET | TERMINATED);
     const state *now = &((instance *)c)->now;
-    (void)knowns;
-    for (size_t i = 0; i < unknowns; i++) found[i] = unknown[i] == 2 && known[0] == 3 ? now->rate * direction[0] : 0;
+    for (size_t i = 0; i < unknowns; i++) {
+        found[i] = 0;
+        for (size_t j = 0; j < knowns; j++)
+#ifdef FAULT_direction
+            if (unknown[i] == 2 && known[j] == 3) found[i] += now->rate;
+#else
+            if (unknown[i] == 2 && known[j] == 3) found[i] += now->rate * direction[j];
+#endif
+    }
 #ifdef FAULT_directional
     found[0] *= 1.1;
 #endif
@@ -332,6 +433,7 @@ EXPORT int fmi2GetDirectionalDerivative(component c, const unsigned *unknown, si
 #endif
 
 EXPORT int fmi2GetRealOutputDerivatives(component c, const unsigned *which, size_t count, const int *orders, double *found) {
+    ALLOWED(STEPPED);
     const state *now = &((instance *)c)->now;
     (void)which; (void)orders;
     for (size_t i = 0; i < count; i++) found[i] = now->rate * (now->u - now->x);
@@ -342,6 +444,7 @@ EXPORT int fmi2GetRealOutputDerivatives(component c, const unsigned *which, size
 }
 
 EXPORT int fmi2SetRealInputDerivatives(component c, const unsigned *which, size_t count, const int *orders, const double *rates) {
+    ALLOWED(STEPPED | SET);
     (void)which; (void)count; (void)orders; (void)rates;
 #ifdef FAULT_input_derivative
     ((instance *)c)->now.u += 0.1;
@@ -358,16 +461,26 @@ EXPORT int fmi2GetFMUstate(component c, void **saved) {
 }
 
 EXPORT int fmi2SetFMUstate(component c, void *saved) {
+    instance *self = c;
+    self->phase = STEPPED;
+#ifdef FAULT_state_input
+    ((state *)saved)->u = self->now.u;
+#endif
 #ifndef FAULT_state
-    ((instance *)c)->now = *(state *)saved;
+    self->now = *(state *)saved;
 #endif
     return OK;
 }
 
 EXPORT int fmi2FreeFMUstate(component c, void **saved) {
     (void)c;
+#ifdef FAULT_free_no_state
+    *(volatile double *)*saved = 0;
+#endif
     free(*saved);
+#ifndef FAULT_pointer
     *saved = NULL;
+#endif
     return OK;
 }
 

@@ -167,11 +167,6 @@ const EDITS: &[(&str, &str, &str)] = &[
         "<Unknown index=\"8\"/><Unknown index=\"10\"/>",
     ),
     (
-        "derivatives-list",
-        "<Unknown index=\"3\" dependencies=\"2\"/>",
-        "<Unknown index=\"3\"/><Unknown index=\"4\"/>",
-    ),
-    (
         "initial-unknowns-list",
         "      <Unknown index=\"6\"/>\n      <Unknown index=\"8\"/>\n",
         "      <Unknown index=\"8\"/>\n",
@@ -187,8 +182,7 @@ const EDITS: &[(&str, &str, &str)] = &[
         "      <Unknown index=\"3\"/>\n      <Unknown index=\"2\"/>\n",
     ),
     ("dependencies-index", "dependencies=\"2\"", "dependencies=\"0\""),
-    // A fixed parameter, and an output that cannot be a state.
-    ("dependencies-known", "dependencies=\"2\"", "dependencies=\"7\""),
+    // An output that cannot be a state.
     ("dependencies-known", "dependencies=\"\"", "dependencies=\"6\""),
     // At the start, a variable that is computed.
     (
@@ -377,4 +371,23 @@ fn a_model_for_model_exchange_alone_is_no_fault() {
         (code, printed.as_str()),
         (0, "note: modelDescription.xml has no CoSimulation element: libraries are not examined\n")
     );
+}
+
+#[test]
+fn derivatives_are_derivatives_where_the_list_of_them_counts() {
+    let listed = "<Unknown index=\"3\" dependencies=\"2\"/>";
+    let wrong = sound().edit(listed, "<Unknown index=\"3\"/><Unknown index=\"4\"/>");
+    // FMI 2.0, section 2.2.8, has the list ignored unless directional derivatives are provided.
+    assert_eq!(super::fmu::check(&wrong.pack(), &["--no-run"]), (0, String::new()));
+    let flag = "<CoSimulation providesDirectionalDerivative=\"true\" ";
+    let counts = wrong.edit("<CoSimulation ", flag);
+    assert_breaks("derivatives-list", &counts.pack(), &["--no-run"]);
+}
+
+#[test]
+fn a_dependency_on_a_fixed_parameter_is_a_hint() {
+    let fmu = sound().edit("dependencies=\"4 5\"", "dependencies=\"4 7\"").pack();
+    let (code, printed) = super::fmu::check(&fmu, &["--no-run"]);
+    assert_eq!(code, 0, "{printed}");
+    assert!(printed.starts_with("hint: dependencies-known "), "{printed}");
 }

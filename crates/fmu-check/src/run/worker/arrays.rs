@@ -2,44 +2,47 @@
 
 use super::experiment::{by_type, references};
 use super::library::{Library, Side, function};
-use super::plan::Role;
-use super::{ReportedFailure, Subject};
-use crate::description::Kind;
+use super::plan::{Role, Variable};
+use super::{Ended, Subject};
 use crate::rules::Rule;
 
 impl Subject<'_> {
-    /// Reads all variables and sets all Real inputs with arrays that nothing may leave.
-    pub(super) fn arrays(&self, library: &Library) -> Result<(), ReportedFailure> {
+    /// Reads all variables, then sets all inputs but strings, with arrays that nothing may leave.
+    pub(super) fn arrays(&self, library: &Library) -> Result<(), Ended> {
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
-        for side in [Side::End, Side::Begin] {
+        let at = |call: &str, side: Side| {
             let place = match side {
-                Side::End => "end",
                 Side::Begin => "begin",
+                Side::End => "end",
             };
-            let stage = |call: &str| {
-                format!(
-                    "{call} with arrays that {place} at memory without access; the caller's references and values to set can only be read"
-                )
-            };
-            for variables in by_type(&self.plan.variables) {
-                let kind = variables[0].kind;
-                let call = function("Get", kind);
-                self.at_risk(Rule::ArrayBounds, &stage(&call));
-                // What cannot be read is reported where all variables are read.
-                let _ = instance.read_guarded(kind, &references(variables), side);
+            let stage = format!(
+                "{call} with arrays that {place} at memory without access; the host's references and values to set can only be read"
+            );
+            self.at_risk(Rule::ArrayBounds, &stage);
+        };
+        let sides = [Side::End, Side::Begin];
+        for variables in by_type(&self.plan.variables) {
+            for side in sides {
+                let (kind, call) = (variables[0].kind, function("Get", variables[0].kind));
+                at(&call, side);
+                let read = instance.read_guarded(kind, &references(variables), side);
+                // Where all variables are read, the reason is reported.
+                read.map_err(|_| Ended::Failed)?;
             }
-            let inputs = self
-                .plan
-                .variables
+        }
+        let is_set =
+            |variable: &&Variable| variable.role == Role::Input && variable.start.is_some();
+        let inputs: Vec<Variable> = self.plan.variables.iter().filter(is_set).cloned().collect();
+        for inputs in by_type(&inputs) {
+            let values: Vec<_> = inputs
                 .iter()
-                .filter(|variable| variable.role == Role::Input && variable.kind == Kind::Real);
-            let (references, values): (Vec<u32>, Vec<f64>) = inputs
-                .filter_map(|input| Some((input.reference, input.start.as_ref()?.real()?)))
-                .unzip();
-            if !references.is_empty() {
-                self.at_risk(Rule::ArrayBounds, &stage("fmi2SetReal"));
-                let _ = instance.write_guarded(&references, &values, side);
+                .filter_map(|input| Some((input.reference, input.start.as_ref()?)))
+                .collect();
+            for side in sides {
+                let (kind, call) = (inputs[0].kind, function("Set", inputs[0].kind));
+                at(&call, side);
+                self.called(&call, instance.write_guarded(kind, &values, side))?;
             }
         }
         Ok(())

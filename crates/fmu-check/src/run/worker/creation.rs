@@ -1,82 +1,78 @@
 //! Calls of `fmi2Instantiate` that a library must refuse, and other valid forms of its arguments.
 
-use super::library::Library;
+use super::library::{Arguments, Library};
 use super::location::uri;
 use super::plan::Plan;
-use super::{ReportedFailure, Subject, said};
+use super::{Ended, Subject, said};
 use crate::rules::Rule;
 
 impl Subject<'_> {
-    pub(super) fn free_null(&self, library: &Library) -> Result<(), ReportedFailure> {
+    pub(super) fn free_null(&self, library: &Library) {
         self.at_risk(Rule::FreeNull, "fmi2FreeInstance(NULL)");
         library.free_null();
-        Ok(())
     }
 
-    pub(super) fn wrong_guid(&self, library: &Library) -> Result<(), ReportedFailure> {
+    pub(super) fn wrong_guid(&self, library: &Library) {
         self.at("fmi2Instantiate with a wrong guid");
+        let location = self.location();
         let guid = "{00000000-dead-4bad-8bad-000000000000}";
-        if library.instantiate(guid, &self.location(), true, false).is_some() {
+        if library.instantiate(&Arguments { guid, ..self.arguments(&location) }).is_some() {
             let message = "fmi2Instantiate accepts a guid that is not the model description's; it must return NULL";
             self.journal.finding(Rule::WrongGuid, message);
         }
-        Ok(())
     }
 
-    pub(super) fn one_slash(&self, library: &Library) -> Result<(), ReportedFailure> {
+    pub(super) fn one_slash(&self, library: &Library) -> Result<(), Ended> {
         self.locate(library, &uri(&self.resources(), "/"))
     }
 
-    pub(super) fn space(&self, library: &Library) -> Result<(), ReportedFailure> {
-        #[cfg(unix)]
-        {
-            let spaced = self.fmu.with_file_name("with space");
-            if std::os::unix::fs::symlink(&self.fmu, &spaced).is_ok() {
-                self.locate(library, &uri(&spaced.join("resources"), "///"))?;
-            }
-        }
-        #[cfg(not(unix))]
-        let _ = library;
-        Ok(())
-    }
-
-    fn locate(&self, library: &Library, location: &str) -> Result<(), ReportedFailure> {
-        self.at(&format!("fmi2Instantiate with the resource location {location}"));
-        if self.comes_up(library, location, true) {
+    #[cfg(unix)]
+    pub(super) fn space(&self, library: &Library) -> Result<(), Ended> {
+        let spaced = self.fmu.with_file_name("with space");
+        if std::os::unix::fs::symlink(&self.fmu, &spaced).is_err() {
             return Ok(());
         }
-        let message = format!(
-            "no instance can be initialized with the resource location {location}{}",
-            said()
-        );
-        self.journal.finding(Rule::ResourceLocation, &message);
-        Err(ReportedFailure)
+        self.locate(library, &uri(&spaced.join("resources"), "///"))
     }
 
-    pub(super) fn null_callbacks(&self, library: &Library) -> Result<(), ReportedFailure> {
-        self.at("fmi2Instantiate with NULL for the memory callbacks");
-        if self.comes_up(library, &self.location(), false) {
-            return Ok(());
-        }
-        let message = format!(
-            "no instance can be initialized with NULL for the memory callbacks, although canNotUseMemoryManagementFunctions is true{}",
-            said()
-        );
-        self.journal.finding(Rule::NullCallbacks, &message);
-        Err(ReportedFailure)
+    fn locate(&self, library: &Library, location: &str) -> Result<(), Ended> {
+        let with = format!("with the resource location {location}");
+        self.comes_up(library, &self.arguments(location), &with, Rule::ResourceLocation)
     }
 
-    /// `true` if an instance made with these arguments can be initialized.
-    fn comes_up(&self, library: &Library, location: &str, memory_callbacks: bool) -> bool {
-        let guid = &self.plan.guid;
-        let Some(instance) = library.instantiate(guid, location, memory_callbacks, false) else {
-            return false;
+    pub(super) fn null_callbacks(&self, library: &Library) -> Result<(), Ended> {
+        let location = self.location();
+        let arguments = Arguments { memory_callbacks: false, ..self.arguments(&location) };
+        let with = "with NULL for the memory callbacks, although canNotUseMemoryManagementFunctions is true";
+        self.comes_up(library, &arguments, with, Rule::NullCallbacks)
+    }
+
+    /// Reports an instance that is made with these arguments, `with` in words, and cannot be initialized.
+    fn comes_up(
+        &self,
+        library: &Library,
+        arguments: &Arguments<'_>,
+        with: &str,
+        rule: Rule,
+    ) -> Result<(), Ended> {
+        let failed = |what: String| {
+            self.journal.finding(rule, &format!("{what} {with}{}", said()));
+            Ended::Failed
         };
+        self.at(&format!("fmi2Instantiate {with}"));
+        let instance = library
+            .instantiate(arguments)
+            .ok_or_else(|| failed("fmi2Instantiate returns NULL".to_owned()))?;
         let Plan { tolerance, start, stop, .. } = self.plan;
-        instance
-            .setup(tolerance, start, stop)
-            .and_then(|()| instance.enter_initialization())
-            .and_then(|()| instance.exit_initialization())
-            .is_ok()
+        self.at(&format!("fmi2SetupExperiment {with}"));
+        let setup = instance.setup(tolerance, start, stop);
+        setup.map_err(|refused| failed(format!("fmi2SetupExperiment returns {refused}")))?;
+        self.at(&format!("fmi2EnterInitializationMode {with}"));
+        let entered = instance.enter_initialization();
+        entered
+            .map_err(|refused| failed(format!("fmi2EnterInitializationMode returns {refused}")))?;
+        self.at(&format!("fmi2ExitInitializationMode {with}"));
+        let left = instance.exit_initialization();
+        left.map_err(|refused| failed(format!("fmi2ExitInitializationMode returns {refused}")))
     }
 }

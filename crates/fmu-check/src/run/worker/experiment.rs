@@ -1,38 +1,49 @@
 //! The run of an instance from its creation to its last step, as every host makes it, and the comparison of two runs.
 
-use super::library::{Instance, Library, Refused, Value, function, heard};
+use super::library::{Arguments, Instance, Library, Refused, Value, function, heard};
 use super::plan::{Plan, Variable};
-use super::{ReportedFailure, Subject, said};
+use super::{Ended, Subject, said};
 use crate::rules::Rule;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::time::Duration;
 
 /// Values of all outputs after each step.
 pub(super) type OutputHistory = Vec<Vec<Value>>;
 
 impl Subject<'_> {
-    pub(super) fn instance<'a>(
+    /// The arguments with which most hosts instantiate.
+    pub(super) fn arguments<'a>(&'a self, location: &'a str) -> Arguments<'a> {
+        Arguments { guid: &self.plan.guid, location, memory_callbacks: true, logging: false }
+    }
+
+    pub(super) fn instance<'a>(&self, library: &'a Library) -> Result<Instance<'a>, Ended> {
+        let location = self.location();
+        self.instance_with(library, &self.arguments(&location))
+    }
+
+    pub(super) fn instance_with<'a>(
         &self,
         library: &'a Library,
-    ) -> Result<Instance<'a>, ReportedFailure> {
+        arguments: &Arguments<'_>,
+    ) -> Result<Instance<'a>, Ended> {
         heard();
-        self.at("fmi2Instantiate");
-        let guid = &self.plan.guid;
-        library.instantiate(guid, &self.location(), true, false).ok_or_else(|| {
-            let message = format!("fmi2Instantiate returns NULL for the guid {guid}{}", said());
+        let with = if arguments.logging { " with logging on" } else { "" };
+        self.at(&format!("fmi2Instantiate{with}"));
+        library.instantiate(arguments).ok_or_else(|| {
+            let guid = arguments.guid;
+            let message =
+                format!("fmi2Instantiate{with} returns NULL for the guid {guid}{}", said());
             self.journal.finding(Rule::Instantiate, &message);
-            ReportedFailure
+            Ended::Failed
         })
     }
 
-    pub(super) fn initialize(&self, instance: &Instance<'_>) -> Result<(), ReportedFailure> {
+    pub(super) fn initialize(&self, instance: &Instance<'_>) -> Result<(), Ended> {
         self.enter_initialization(instance)?;
         self.exit_initialization(instance)
     }
 
-    pub(super) fn enter_initialization(
-        &self,
-        instance: &Instance<'_>,
-    ) -> Result<(), ReportedFailure> {
+    pub(super) fn enter_initialization(&self, instance: &Instance<'_>) -> Result<(), Ended> {
         let Plan { tolerance, start, stop, .. } = self.plan;
         self.at("fmi2SetupExperiment");
         self.called("fmi2SetupExperiment", instance.setup(tolerance, start, stop))?;
@@ -40,12 +51,39 @@ impl Subject<'_> {
         self.called("fmi2EnterInitializationMode", instance.enter_initialization())
     }
 
-    pub(super) fn exit_initialization(
-        &self,
-        instance: &Instance<'_>,
-    ) -> Result<(), ReportedFailure> {
+    pub(super) fn exit_initialization(&self, instance: &Instance<'_>) -> Result<(), Ended> {
         self.at("fmi2ExitInitializationMode");
         self.called("fmi2ExitInitializationMode", instance.exit_initialization())
+    }
+
+    /// Makes the run of a new instance.
+    pub(super) fn fresh(&self, library: &Library) -> Result<OutputHistory, Ended> {
+        let instance = self.instance(library)?;
+        self.initialize(&instance)?;
+        self.steps(&instance, 0, self.plan.steps)
+    }
+
+    /// Makes the run of a new instance; `None` if it cannot be compared.
+    pub(super) fn reference(&self, library: &Library) -> Result<Option<OutputHistory>, Ended> {
+        let first = self.fresh(library)?;
+        Ok(self.is_first_run(&first).then_some(first))
+    }
+
+    /// `true` if a run from the start gave what the first trial's gave in another process. Otherwise the model is random
+    /// by intent, or an output is an address of memory, and runs are not compared.
+    pub(super) fn is_first_run(&self, history: &OutputHistory) -> bool {
+        self.journal.is_first_run(fingerprint(history))
+    }
+
+    /// `true` if the outputs of a new instance are still those of the first trial in another second: a model may be
+    /// random with the time as its seed.
+    pub(super) fn is_first_run_later(&self, library: &Library) -> Result<bool, Ended> {
+        const SECOND: Duration = Duration::from_millis(1100);
+        if self.plan.abilities.once_per_process {
+            return Ok(true);
+        }
+        std::thread::sleep(SECOND);
+        Ok(self.reference(library)?.is_some())
     }
 
     /// Steps from one communication point to another. Returns the outputs after each step.
@@ -54,12 +92,10 @@ impl Subject<'_> {
         instance: &Instance<'_>,
         from: u32,
         to: u32,
-    ) -> Result<OutputHistory, ReportedFailure> {
+    ) -> Result<OutputHistory, Ended> {
         let mut history = OutputHistory::new();
         for number in from..to {
-            if !self.step(instance, self.time(number), self.plan.step)? {
-                break;
-            }
+            self.step(instance, self.time(number), self.plan.step)?;
             history.push(self.read(instance, &self.plan.outputs)?);
         }
         Ok(history)
@@ -70,21 +106,16 @@ impl Subject<'_> {
         self.plan.start + f64::from(number) * self.plan.step
     }
 
-    /// Makes one step. Returns `false` if the library does not complete it, which is no fault.
-    pub(super) fn step(
-        &self,
-        instance: &Instance<'_>,
-        time: f64,
-        step: f64,
-    ) -> Result<bool, ReportedFailure> {
+    /// Makes one step.
+    pub(super) fn step(&self, instance: &Instance<'_>, time: f64, step: f64) -> Result<(), Ended> {
         let name = format!("fmi2DoStep at {time} s");
         self.at(&name);
         match instance.step(time, step) {
             Err(refused) if refused.is_no_step() => {
-                self.journal.note(&format!("{name} returns {refused}: the run ends there"));
-                Ok(false)
+                self.journal.note(&format!("{name} returns {refused}: runs end there"));
+                Err(Ended::NoStep)
             }
-            result => self.called(&name, result).map(|()| true),
+            result => self.called(&name, result),
         }
     }
 
@@ -93,13 +124,12 @@ impl Subject<'_> {
         &self,
         instance: &Instance<'_>,
         variables: &[Variable],
-    ) -> Result<Vec<Value>, ReportedFailure> {
+    ) -> Result<Vec<Value>, Ended> {
         let mut values = Vec::with_capacity(variables.len());
         for variables in by_type(variables) {
-            let (kind, references) = (variables[0].kind, references(variables));
-            let name = function("Get", kind);
-            self.at(&name);
-            match instance.read(kind, &references) {
+            let kind = variables[0].kind;
+            self.at(&function("Get", kind));
+            match instance.read(kind, &references(variables)) {
                 Ok(read) => values.extend(read),
                 Err(refused) => return Err(self.unreadable(instance, variables, refused)),
             }
@@ -113,27 +143,33 @@ impl Subject<'_> {
         instance: &Instance<'_>,
         variables: &[Variable],
         refused: Refused,
-    ) -> ReportedFailure {
+    ) -> Ended {
         let said = said();
-        let name = function("Get", variables[0].kind);
         let cannot = |variable: &&Variable| {
-            !refused.is_fatal() && instance.read(variable.kind, &[variable.reference]).is_err()
+            instance.read(variable.kind, &[variable.reference]).is_err_and(|alone| alone == refused)
         };
         let which = match (variables, variables.iter().find(cannot)) {
             ([variable], _) | (_, Some(variable)) => variable.name.clone(),
             _ => format!("{} variables", variables.len()),
         };
+        let name = function("Get", variables[0].kind);
         let message = format!("{name} of {which} returns {refused}{said}");
         self.journal.finding(Rule::CallFailed, &message);
-        ReportedFailure
+        Ended::Failed
     }
 
-    pub(super) fn finite(&self, history: &OutputHistory) {
-        for (step, values) in (1..).zip(history) {
+    /// Reports an output that is not finite in a run, which `run` describes; `times` are those after the steps.
+    pub(super) fn finite(
+        &self,
+        history: &OutputHistory,
+        times: impl Iterator<Item = f64>,
+        run: &str,
+    ) {
+        for (values, time) in history.iter().zip(times) {
             for (output, value) in self.plan.outputs.iter().zip(values) {
                 if value.real().is_some_and(|value| !value.is_finite()) {
-                    let (name, time) = (&output.name, self.time(step));
-                    let message = format!("the output {name} is {value} at {time} s");
+                    let name = &output.name;
+                    let message = format!("the output {name} is {value} at {time} s{run}");
                     self.journal.finding(Rule::OutputNotFinite, &message);
                     return;
                 }
@@ -141,21 +177,25 @@ impl Subject<'_> {
         }
     }
 
-    /// Describes the first difference between a run and the first run in words; `None` if a host sees no difference.
-    pub(super) fn difference(&self, first: &[Vec<Value>], other: &[Vec<Value>]) -> Option<String> {
-        for (step, (first, other)) in (1..).zip(first.iter().zip(other)) {
-            for (output, (first, other)) in self.plan.outputs.iter().zip(first.iter().zip(other)) {
-                if !first.is_same(other) {
+    /// Describes in words the first place where the values of a run are not the `same` as those `wanted`.
+    pub(super) fn difference(
+        &self,
+        wanted: &[Vec<Value>],
+        run: &[Vec<Value>],
+        same: impl Fn(&Value, &Value) -> bool,
+    ) -> Option<String> {
+        for (step, (wanted, found)) in (1..).zip(wanted.iter().zip(run)) {
+            for (output, (wanted, found)) in self.plan.outputs.iter().zip(wanted.iter().zip(found))
+            {
+                if !same(wanted, found) {
                     let name = &output.name;
                     return Some(format!(
-                        "{name} is {other} after step {step}, but was {first} in the first run"
+                        "{name} is {found} after step {step} instead of {wanted}"
                     ));
                 }
             }
         }
-        let (first, other) = (first.len(), other.len());
-        (first != other)
-            .then(|| format!("{other} steps are completed, but were {first} in the first run"))
+        None
     }
 }
 
@@ -164,7 +204,9 @@ pub(super) fn fingerprint(history: &OutputHistory) -> u64 {
     let mut hasher = DefaultHasher::new();
     for value in history.iter().flatten() {
         match value.real() {
-            Some(value) => value.to_bits().hash(&mut hasher),
+            // Zero has two signs, and NaN many bits, which are the same for a host.
+            Some(value) if value.is_nan() => f64::NAN.to_bits().hash(&mut hasher),
+            Some(value) => (value + 0.0).to_bits().hash(&mut hasher),
             None => value.to_string().hash(&mut hasher),
         }
     }

@@ -46,6 +46,7 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
     let run = |count: u32| (0..count).try_for_each(|_| round(subject));
     let mut used = Vec::new();
     let mut mapped = Vec::new();
+    let mut files = Vec::new();
     let mut counted = || {
         run(size.before)?;
         for count in 0..=size.counts {
@@ -53,6 +54,7 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
                 run(size.rounds)?;
             }
             used.extend(library::heap().and_then(|bytes| i64::try_from(bytes).ok()));
+            files.extend(process::open_files().and_then(|count| i64::try_from(count).ok()));
             mapped.extend(process::addresses().and_then(|bytes| i64::try_from(bytes).ok()));
         }
         Some(())
@@ -70,17 +72,17 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
     let least = |bytes: &[i64]| {
         bytes.windows(2).map(|pair| pair[1] - pair[0]).min().unwrap_or(0) / i64::from(size.rounds)
     };
-    let (heap, addresses) = (least(&used), least(&mapped));
-    let (what, bytes) = if heap >= LEAST {
-        ("the heap", heap)
+    let (heap, addresses, files) = (least(&used), least(&mapped), least(&files));
+    let what = if heap >= LEAST {
+        format!("the heap grows by {heap} bytes")
     } else if addresses >= LEAST_ADDRESSES {
-        ("the address space", addresses)
+        format!("the address space grows by {addresses} bytes")
+    } else if files > 0 {
+        format!("the number of open files grows by {files}")
     } else {
         return;
     };
-    let message = format!(
-        "{what} grows by {bytes} bytes with every instance that is made, run for a step and freed"
-    );
+    let message = format!("{what} with every instance that is made, run for a step and freed");
     subject.journal.finding(Rule::MemoryGrowth, &message);
 }
 
@@ -88,7 +90,8 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
 fn round(subject: &Subject<'_>) -> Option<()> {
     let library = Library::load(&subject.path).ok()?;
     let Plan { tolerance, start, stop, step, .. } = subject.plan;
-    let instance = library.instantiate(&subject.plan.guid, &subject.location(), true, false)?;
+    let location = subject.location();
+    let instance = library.instantiate(&subject.arguments(&location))?;
     instance.setup(tolerance, start, stop).ok()?;
     instance.enter_initialization().ok()?;
     instance.exit_initialization().ok()?;

@@ -9,6 +9,7 @@ mod instances;
 mod library;
 mod location;
 mod logging;
+mod plain;
 mod plan;
 mod repetition;
 mod variables;
@@ -40,20 +41,30 @@ pub(super) fn run(
     journal: &Journal,
 ) -> Option<()> {
     let fmu = folder.join("fmu");
-    let description = std::fs::read(fmu.join(xml::PATH)).ok()?;
-    let root = xml::read(&description, &mut Report::default())?;
+    let description = std::fs::read(fmu.join(xml::PATH)).ok();
+    let root = description.and_then(|text| xml::read(&text, &mut Report::default()));
+    let Some(root) = root else {
+        journal.note("the library is not tried: the unpacked model description cannot be read");
+        return None;
+    };
     let plan = Plan::new(&Description::new(&root));
     process::limit(timeout);
     let path = fmu.join(library);
-    let host = RefCell::new(("the start of the process".to_owned(), HostSettings::read()));
-    let subject = Subject { fmu, path, plan, journal, host };
+    let stage = RefCell::new(Stage {
+        name: "the start of the process".to_owned(),
+        host: HostSettings::read(),
+    });
+    let subject = Subject { fmu, path, plan, journal, stage };
     if !subject.applies(trial) {
         return Some(());
     }
     // A model that is random by intent may use this generator without a seed of its own. Runs of two processes then differ.
     library::seed(trial as u32 + 1);
     let library = subject.load()?;
-    subject.make(trial, library, timeout).ok()
+    match subject.make(trial, library, timeout) {
+        Ok(()) | Err(Ended::NoStep) => Some(()),
+        Err(Ended::Failed) => None,
+    }
 }
 
 /// An FMU whose library is run.
@@ -64,12 +75,23 @@ struct Subject<'a> {
     path: PathBuf,
     plan: Plan,
     journal: &'a Journal,
-    /// The present stage, and the host's settings as they were last seen.
-    host: RefCell<(String, HostSettings)>,
+    stage: RefCell<Stage>,
 }
 
-/// A call failed and has been reported; the trial cannot continue.
-struct ReportedFailure;
+/// The present stage.
+struct Stage {
+    name: String,
+    /// The host's settings at its begin.
+    host: HostSettings,
+}
+
+/// Why a trial cannot continue.
+enum Ended {
+    /// A call failed and has been reported.
+    Failed,
+    /// The library did not complete a step, as it may.
+    NoStep,
+}
 
 impl Subject<'_> {
     /// `true` if the FMU is to be tried in this way.
@@ -86,34 +108,29 @@ impl Subject<'_> {
             Trial::States => can.saves_states,
             Trial::Derivatives => can.directional_derivatives,
             Trial::OutputDerivatives => {
-                can.output_derivatives && !self.plan.real_outputs().is_empty()
+                can.output_derivatives && !self.plan.continuous_outputs().is_empty()
             }
             Trial::InputDerivatives => can.interpolates_inputs,
             _ => true,
         }
     }
 
-    fn make(
-        &self,
-        trial: Trial,
-        library: Library,
-        timeout: Duration,
-    ) -> Result<(), ReportedFailure> {
+    fn make(&self, trial: Trial, library: Library, timeout: Duration) -> Result<(), Ended> {
         let result = match trial {
-            Trial::Plain => {
-                if self.plan.abilities.once_per_process {
-                    self.journal.note(
-                        "canBeInstantiatedOnlyOncePerProcess is true: what needs a second instance is not tried",
-                    );
-                }
-                self.answers(&library);
-                self.plain(&library)
+            Trial::Plain => self.plain(&library),
+            Trial::FreeNull => {
+                self.free_null(&library);
+                Ok(())
             }
-            Trial::FreeNull => self.free_null(&library),
-            Trial::WrongGuid => self.wrong_guid(&library),
+            Trial::WrongGuid => {
+                self.wrong_guid(&library);
+                Ok(())
+            }
             Trial::OneSlash => self.one_slash(&library),
+            #[cfg(unix)]
             Trial::Space => self.space(&library),
             Trial::NullCallbacks => self.null_callbacks(&library),
+            Trial::ResetNew => self.reset_new(&library),
             Trial::Reset => self.resets(&library),
             Trial::Variables => self.variables(&library),
             Trial::Inputs => self.changed_inputs(&library),
@@ -127,7 +144,7 @@ impl Subject<'_> {
             #[cfg(unix)]
             Trial::Arrays => self.arrays(&library),
             #[cfg(not(unix))]
-            Trial::Arrays => Ok(()),
+            Trial::Space | Trial::Arrays => Ok(()),
             Trial::Memory => {
                 drop(library);
                 growth::watch(self, timeout / 4);
@@ -144,7 +161,7 @@ impl Subject<'_> {
     /// Records the stage that begins now, and reports settings of the host that the last stage has changed.
     fn at(&self, stage: &str) {
         self.compare_host();
-        self.host.borrow_mut().0 = stage.to_owned();
+        stage.clone_into(&mut self.stage.borrow_mut().name);
         self.journal.at(stage);
     }
 
@@ -156,7 +173,7 @@ impl Subject<'_> {
 
     fn compare_host(&self) {
         let now = HostSettings::read();
-        let (stage, before) = &mut *self.host.borrow_mut();
+        let Stage { name: stage, host: before } = &mut *self.stage.borrow_mut();
         if now.floating_point != before.floating_point {
             let message = format!(
                 "{stage} changes how floating point is computed: rounding, denormal numbers or traps (control registers {}, before {})",
@@ -174,6 +191,13 @@ impl Subject<'_> {
             let message = format!("{stage} changes who handles {}", changed.join(", "));
             self.journal.finding(Rule::SignalHandlers, &message);
         }
+        for ((name, now), (_, before)) in now.named.iter().zip(&before.named) {
+            if now != before {
+                let message =
+                    format!("{stage} changes {name} of the process from {before} to {now}");
+                self.journal.finding(Rule::ProcessSettings, &message);
+            }
+        }
         *before = now;
     }
 
@@ -189,26 +213,12 @@ impl Subject<'_> {
         }
     }
 
-    fn answers(&self, library: &Library) {
-        for (rule, name, right) in [
-            (Rule::TypesPlatform, "fmi2GetTypesPlatform", "default"),
-            (Rule::Version, "fmi2GetVersion", "2.0"),
-        ] {
-            self.at(name);
-            let answer = library.answer(name);
-            if answer != right {
-                let message = format!("{name} returns {answer}; FMI 2.0 requires \"{right}\"");
-                self.journal.finding(rule, &message);
-            }
-        }
-    }
-
     /// Reports a call that failed.
-    fn called<T>(&self, name: &str, result: Result<T, Refused>) -> Result<T, ReportedFailure> {
+    fn called<T>(&self, name: &str, result: Result<T, Refused>) -> Result<T, Ended> {
         result.map_err(|refused| {
             let message = format!("{name} returns {refused}{}", said());
             self.journal.finding(Rule::CallFailed, &message);
-            ReportedFailure
+            Ended::Failed
         })
     }
 

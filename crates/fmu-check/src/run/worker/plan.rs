@@ -2,18 +2,26 @@
 
 use super::library::Value;
 use crate::description::{self, Description, Kind};
+use crate::xml::Element;
 use crate::xml::values::{boolean, double, integer};
+use std::collections::{HashMap, HashSet};
 
 /// Limit of the number of steps of a run.
 const STEPS: u32 = 10;
 
+/// Number of dependencies after which no more are read.
+const MOST_DEPENDENCIES: usize = 10_000;
+
 /// A variable of the model description.
 #[derive(Clone)]
 pub(super) struct Variable {
+    /// Number in the model description, from 1.
+    index: String,
     pub(super) name: String,
     pub(super) reference: u32,
     pub(super) kind: Kind,
     pub(super) role: Role,
+    is_continuous: bool,
     pub(super) start: Option<Value>,
     /// A value beside the start value that the description allows; `None` if a host may not set the variable before the
     /// initialization ends, or if there is no other value.
@@ -50,10 +58,21 @@ pub(super) struct Plan {
     pub(super) variables: Vec<Variable>,
     /// The outputs, those of a type beside each other.
     pub(super) outputs: Vec<Variable>,
-    /// Pairs of a continuous Real output and an input on which it depends, by their places in `outputs` and `variables`.
-    pub(super) dependencies: Vec<(usize, usize)>,
+    /// Dependencies of the outputs during a run.
+    pub(super) dependencies: Vec<Dependency>,
+    /// Dependencies of the outputs in the initialization.
+    pub(super) initial_dependencies: Vec<Dependency>,
     pub(super) log_categories: Vec<String>,
     pub(super) abilities: Abilities,
+}
+
+/// A continuous Real output and an input on which it depends.
+#[derive(Clone, Copy)]
+pub(super) struct Dependency {
+    /// Place in `outputs`.
+    pub(super) output: usize,
+    /// Place in `variables`.
+    pub(super) input: usize,
 }
 
 /// The capability flags of the FMU.
@@ -97,7 +116,8 @@ impl Plan {
             step,
             steps,
             outputs: variables.iter().filter(is_output).cloned().collect(),
-            dependencies: dependencies(description, &stated),
+            dependencies: dependencies(description, &variables, "Outputs"),
+            initial_dependencies: dependencies(description, &variables, "InitialUnknowns"),
             variables,
             log_categories: categories
                 .filter_map(|category| category.attribute("name").map(str::to_owned))
@@ -119,10 +139,8 @@ impl Plan {
         self.variables.iter().filter(|variable| variable.role == Role::Input)
     }
 
-    /// References of the Real outputs.
-    pub(super) fn real_outputs(&self) -> Vec<u32> {
-        let reals = self.outputs.iter().filter(|output| output.kind == Kind::Real);
-        reals.map(|output| output.reference).collect()
+    pub(super) fn continuous_outputs(&self) -> Vec<Variable> {
+        self.outputs.iter().filter(|output| output.is_continuous()).cloned().collect()
     }
 }
 
@@ -132,29 +150,34 @@ fn order(kind: Kind) -> usize {
     kinds.iter().position(|other| *other == kind.base()).unwrap_or(kinds.len())
 }
 
+/// Reads the dependencies that a list of `ModelStructure` states.
 fn dependencies(
     description: &Description<'_>,
-    sorted: &[&description::Variable<'_>],
-) -> Vec<(usize, usize)> {
+    variables: &[Variable],
+    list: &str,
+) -> Vec<Dependency> {
     let structure = description.root.child("ModelStructure");
-    let unknowns = structure.map_or(&[][..], |structure| structure.below("Outputs"));
-    let is_continuous = |variable: &description::Variable<'_>| {
-        variable.kind == Kind::Real && variable.variability == "continuous"
-    };
-    let outputs = sorted.iter().filter(|variable| variable.causality == "output");
+    let unknowns = structure.map_or(&[][..], |structure| structure.below(list));
+    let unknowns: HashMap<&str, &Element> = unknowns
+        .iter()
+        .filter_map(|unknown| Some((unknown.attribute("index")?.trim_ascii(), unknown)))
+        .collect();
+    let inputs: Vec<(usize, &Variable)> = (variables.iter().enumerate())
+        .filter(|(_, input)| input.role == Role::Input && input.is_continuous())
+        .collect();
+    let outputs = variables.iter().filter(|variable| variable.role == Role::Output);
     let mut pairs = Vec::new();
-    for (place, output) in outputs.enumerate().filter(|(_, output)| is_continuous(output)) {
-        let index = output.index.to_string();
-        let unknown = unknowns.iter().find(|unknown| unknown.attribute("index") == Some(&index));
-        let listed = unknown.and_then(|unknown| unknown.attribute("dependencies"));
-        for (input, known) in sorted.iter().enumerate() {
-            let index = known.index.to_string();
-            // An output without a list may depend on every input.
-            let depends =
-                listed.is_none_or(|list| list.split_ascii_whitespace().any(|one| one == index));
-            if known.causality == "input" && is_continuous(known) && depends {
-                pairs.push((place, input));
-            }
+    for (output, variable) in outputs.enumerate().filter(|(_, output)| output.is_continuous()) {
+        let Some(unknown) = unknowns.get(&*variable.index) else { continue };
+        let listed = unknown.attribute("dependencies");
+        let listed = listed.map(|list| list.split_ascii_whitespace().collect::<HashSet<_>>());
+        // An unknown without a list may depend on every input.
+        let depends =
+            |input: &Variable| listed.as_ref().is_none_or(|listed| listed.contains(&*input.index));
+        let known = inputs.iter().filter(|(_, input)| depends(input));
+        pairs.extend(known.map(|(input, _)| Dependency { output, input: *input }));
+        if pairs.len() > MOST_DEPENDENCIES {
+            break;
         }
     }
     pairs
@@ -182,13 +205,20 @@ impl Variable {
             role == Role::Input || stated.is_settable() && stated.initial == Some("exact");
         let other = start.as_ref().filter(|_| is_settable).and_then(|start| beside(stated, start));
         Self {
+            index: stated.index.to_string(),
             name: stated.name.to_owned(),
             reference: stated.reference,
             kind: stated.kind,
             role,
+            is_continuous: stated.kind == Kind::Real && stated.variability == "continuous",
             start,
             other,
         }
+    }
+
+    /// `true` for a Real that changes continuously.
+    pub(super) fn is_continuous(&self) -> bool {
+        self.is_continuous
     }
 }
 
@@ -208,7 +238,9 @@ fn beside(stated: &description::Variable<'_>, start: &Value) -> Option<Value> {
         Value::Integer(start) if stated.kind == Kind::Enumeration => {
             let items = stated.declared?.child("Enumeration")?;
             let values = items.children.iter().filter_map(|item| item.attribute("value"));
-            values.filter_map(integer).find(|value| value != start).map(Value::Integer)
+            let mut values = values.filter_map(integer);
+            let is_other = |value: &i32| value != start && is_within(f64::from(*value));
+            values.find(is_other).map(Value::Integer)
         }
         Value::Integer(start) => {
             let values = [start.checked_add(1), start.checked_sub(1)];

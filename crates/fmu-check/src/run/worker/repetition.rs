@@ -1,84 +1,49 @@
 //! Runs that must give the outputs of the first run: after resets, and from saved states.
 
-use super::experiment::{OutputHistory, fingerprint};
-use super::library::{Instance, Library, SavedState};
-use super::plan::{Role, Variable};
-use super::{ReportedFailure, Subject};
+use super::experiment::OutputHistory;
+use super::library::{Instance, Library, Refused, SavedState, Value};
+use super::{Ended, Subject};
 use crate::rules::Rule;
 
-impl Subject<'_> {
-    /// Makes the run that every host makes, and once more after a reset.
-    pub(super) fn plain(&self, library: &Library) -> Result<(), ReportedFailure> {
-        let instance = self.instance(library)?;
-        self.initialize(&instance)?;
-        self.starts(&instance)?;
-        let first = self.steps(&instance, 0, self.plan.steps)?;
-        self.journal.first_run(fingerprint(&first));
-        self.finite(&first);
-        self.at("fmi2Terminate");
-        self.called("fmi2Terminate", instance.terminate())?;
-        self.after_reset(&instance, "after fmi2Terminate")?;
-        self.at("fmi2FreeInstance");
-        Ok(())
-    }
+/// The moment of a reset.
+#[derive(Clone, Copy)]
+enum Moment {
+    AfterTerminate,
+    AfterLastStep,
+    BeforeInitialization,
+    InInitialization,
+    AfterInitialization,
+    BeforeLastStep,
+    AfterOtherValues,
+}
 
-    /// Compares variables with their start values after the initialization: before its end the standard allows hosts to
-    /// read outputs and states only. Inputs, parameters and constants are changed by hosts alone.
-    fn starts(&self, instance: &Instance<'_>) -> Result<(), ReportedFailure> {
-        let is_exact =
-            |variable: &&Variable| variable.role.keeps_value() || variable.role == Role::Constant;
-        let variables: Vec<_> = self.plan.variables.iter().filter(is_exact).cloned().collect();
-        let found = self.read(instance, &variables)?;
-        for (variable, found) in variables.iter().zip(found) {
-            let Some(start) = &variable.start else { continue };
-            if !start.agrees_with(&found) {
-                let name = &variable.name;
-                let message = format!(
-                    "{name} is {found} after initialization, but its start value is {start}"
-                );
-                self.journal.finding(Rule::StartDiffers, &message);
-            }
+impl Moment {
+    const ALL: [Self; 7] = [
+        Self::AfterTerminate,
+        Self::AfterLastStep,
+        Self::BeforeInitialization,
+        Self::InInitialization,
+        Self::AfterInitialization,
+        Self::BeforeLastStep,
+        Self::AfterOtherValues,
+    ];
+
+    const fn words(self) -> &'static str {
+        match self {
+            Self::AfterTerminate => "after fmi2Terminate",
+            Self::AfterLastStep => "after the last step",
+            Self::BeforeInitialization => "before the initialization",
+            Self::InInitialization => "in the initialization",
+            Self::AfterInitialization => "after the initialization",
+            Self::BeforeLastStep => "before the last step",
+            Self::AfterOtherValues => "after a step with other values",
         }
-        Ok(())
     }
+}
 
-    /// Makes the run of a new instance.
-    pub(super) fn fresh(&self, library: &Library) -> Result<OutputHistory, ReportedFailure> {
-        let instance = self.instance(library)?;
-        self.initialize(&instance)?;
-        self.steps(&instance, 0, self.plan.steps)
-    }
-
-    /// `true` if a run from the start gave what the first trial's gave in another process. Otherwise the model is random
-    /// by intent, or an output is an address of memory, and runs are not compared.
-    pub(super) fn is_first_run(&self, history: &OutputHistory) -> bool {
-        self.journal.is_first_run(fingerprint(history))
-    }
-
-    /// Makes the run of a new instance; `None` if it cannot be compared.
-    pub(super) fn reference(
-        &self,
-        library: &Library,
-    ) -> Result<Option<OutputHistory>, ReportedFailure> {
-        let first = self.fresh(library)?;
-        Ok(self.is_first_run(&first).then_some(first))
-    }
-
-    /// Makes the run after a reset.
-    fn after_reset(
-        &self,
-        instance: &Instance<'_>,
-        when: &str,
-    ) -> Result<OutputHistory, ReportedFailure> {
-        let name = format!("fmi2Reset {when}");
-        self.at(&name);
-        self.called(&name, instance.reset())?;
-        self.initialize(instance)?;
-        self.steps(instance, 0, self.plan.steps)
-    }
-
-    /// Resets an instance before, in and after its initialization and in the middle of its run.
-    pub(super) fn resets(&self, library: &Library) -> Result<(), ReportedFailure> {
+impl Subject<'_> {
+    /// Resets an instance at all moments, and compares the runs that follow.
+    pub(super) fn resets(&self, library: &Library) -> Result<(), Ended> {
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
         let first = self.steps(&instance, 0, self.plan.steps)?;
@@ -88,16 +53,15 @@ impl Subject<'_> {
             );
             return Ok(());
         }
-        for when in [
-            "after the last step",
-            "before the initialization",
-            "in the initialization",
-            "after the initialization",
-            "before the last step",
-        ] {
-            self.prepare(&instance, when)?;
-            let again = self.after_reset(&instance, when)?;
-            if let Some(difference) = self.difference(&first, &again) {
+        for moment in Moment::ALL {
+            self.prepare(&instance, moment)?;
+            self.reset(&instance, moment)?;
+            self.initialize(&instance)?;
+            let again = self.steps(&instance, 0, self.plan.steps)?;
+            if let Some(difference) = self.difference(&first, &again, Value::is_same)
+                && self.is_first_run_later(library)?
+            {
+                let when = moment.words();
                 let message = format!("in the run after fmi2Reset {when}, {difference}");
                 self.journal.finding(Rule::ResetDiffers, &message);
                 break;
@@ -106,29 +70,68 @@ impl Subject<'_> {
         Ok(())
     }
 
-    /// Brings an instance from the end of its run to the moment of a reset.
-    fn prepare(&self, instance: &Instance<'_>, when: &str) -> Result<(), ReportedFailure> {
-        if when == "after the last step" {
+    /// Resets a new instance, and makes its run.
+    pub(super) fn reset_new(&self, library: &Library) -> Result<(), Ended> {
+        let instance = self.instance(library)?;
+        self.at("fmi2Reset of a new instance");
+        self.called("fmi2Reset of a new instance", instance.reset())?;
+        self.initialize(&instance)?;
+        let run = self.steps(&instance, 0, self.plan.steps)?;
+        if self.plan.abilities.once_per_process {
             return Ok(());
         }
-        self.at("fmi2Reset after the last step");
-        self.called("fmi2Reset after the last step", instance.reset())?;
-        if when == "before the initialization" {
+        let Some(reference) = self.reference(library)? else { return Ok(()) };
+        if let Some(difference) = self.difference(&reference, &run, Value::is_same)
+            && self.is_first_run_later(library)?
+        {
+            let message = format!("in the run after fmi2Reset of a new instance, {difference}");
+            self.journal.finding(Rule::ResetDiffers, &message);
+        }
+        Ok(())
+    }
+
+    fn reset(&self, instance: &Instance<'_>, moment: Moment) -> Result<(), Ended> {
+        let name = format!("fmi2Reset {}", moment.words());
+        self.at(&name);
+        self.called(&name, instance.reset())
+    }
+
+    /// Brings an instance from the end of its run to a moment.
+    fn prepare(&self, instance: &Instance<'_>, moment: Moment) -> Result<(), Ended> {
+        match moment {
+            Moment::AfterTerminate => {
+                self.at("fmi2Terminate");
+                return self.called("fmi2Terminate", instance.terminate());
+            }
+            Moment::AfterLastStep => return Ok(()),
+            _ => self.reset(instance, Moment::AfterLastStep)?,
+        }
+        if matches!(moment, Moment::BeforeInitialization) {
             return Ok(());
+        }
+        if matches!(moment, Moment::AfterOtherValues) {
+            self.at("a step with other values");
+            // A library may refuse values, and can be reset then.
+            let run = self
+                .initialize_with(instance, true)
+                .and_then(|()| instance.step(self.plan.start, self.plan.step));
+            // Nothing may follow fmi2Fatal, which is reported where all variables are set.
+            let is_lost = run.is_err_and(Refused::is_fatal);
+            return if is_lost { Err(Ended::Failed) } else { Ok(()) };
         }
         self.enter_initialization(instance)?;
-        if when == "in the initialization" {
+        if matches!(moment, Moment::InInitialization) {
             return Ok(());
         }
         self.exit_initialization(instance)?;
-        if when == "before the last step" {
+        if matches!(moment, Moment::BeforeLastStep) {
             self.steps(instance, 0, self.plan.steps - 1)?;
         }
         Ok(())
     }
 
     /// Goes back to a state that was saved in the middle of the run.
-    pub(super) fn states(&self, library: &Library) -> Result<(), ReportedFailure> {
+    pub(super) fn states(&self, library: &Library) -> Result<(), Ended> {
         let middle = self.plan.steps / 2;
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
@@ -139,32 +142,57 @@ impl Subject<'_> {
         if !self.is_first_run(&[first, rest.clone()].concat()) {
             return Ok(());
         }
-        self.resume(&instance, &state, &rest, Rule::StateDiffers)?;
-        if self.plan.abilities.serializes_states {
+        self.resume(library, &instance, &state, &rest, Rule::StateDiffers)?;
+        let copy = if self.plan.abilities.serializes_states {
             self.at("fmi2SerializeFMUstate");
-            let bytes = self.called("fmi2SerializeFMUstate", instance.serialize(&state))?;
+            Some(self.called("fmi2SerializeFMUstate", instance.serialize(&state))?)
+        } else {
+            None
+        };
+        self.free(&instance, state)?;
+        // Only after the state is freed: the bytes must be all of it.
+        if let Some(bytes) = copy {
             self.at("fmi2DeSerializeFMUstate");
             let copy = self.called("fmi2DeSerializeFMUstate", instance.deserialize(&bytes))?;
-            self.resume(&instance, &copy, &rest, Rule::SerializedStateDiffers)?;
-            self.at("fmi2FreeFMUstate");
-            self.called("fmi2FreeFMUstate", instance.free(copy))?;
+            self.resume(library, &instance, &copy, &rest, Rule::SerializedStateDiffers)?;
+            self.free(&instance, copy)?;
         }
+        self.at_risk(Rule::FreeState, "fmi2FreeFMUstate of NULL");
+        self.called("fmi2FreeFMUstate of NULL", instance.free_no_state())
+    }
+
+    fn free(&self, instance: &Instance<'_>, state: SavedState) -> Result<(), Ended> {
         self.at("fmi2FreeFMUstate");
-        self.called("fmi2FreeFMUstate", instance.free(state))
+        if !self.called("fmi2FreeFMUstate", instance.free(state))? {
+            let message = "fmi2FreeFMUstate does not set the pointer to the state to NULL";
+            self.journal.finding(Rule::FreeState, message);
+        }
+        Ok(())
     }
 
     fn resume(
         &self,
+        library: &Library,
         instance: &Instance<'_>,
         state: &SavedState,
         rest: &OutputHistory,
         rule: Rule,
-    ) -> Result<(), ReportedFailure> {
+    ) -> Result<(), Ended> {
         let middle = self.plan.steps / 2;
+        self.at("setting of inputs before fmi2SetFMUstate");
+        for input in self.plan.inputs() {
+            let Some(other) = &input.other else { continue };
+            // A library may refuse a value, and can go back to a state then.
+            if instance.write(&[(input.reference, other)]).is_err() {
+                break;
+            }
+        }
         self.at("fmi2SetFMUstate");
         self.called("fmi2SetFMUstate", instance.restore(state))?;
         let again = self.steps(instance, middle, self.plan.steps)?;
-        if let Some(difference) = self.difference(rest, &again) {
+        if let Some(difference) = self.difference(rest, &again, Value::is_same)
+            && self.is_first_run_later(library)?
+        {
             let message = format!(
                 "in the run after fmi2SetFMUstate, whose step 1 is step {} of the first run, {difference}",
                 middle + 1,

@@ -1,9 +1,9 @@
 //! Reading and setting of all variables in the phases that allow it.
 
 use super::experiment::{by_type, references};
-use super::library::{Instance, Library, Refused, function, heard};
+use super::library::{Instance, Library, Refused, Value, function, heard};
 use super::plan::{Plan, Role, Variable};
-use super::{ReportedFailure, Subject, said};
+use super::{Ended, Subject, said};
 use crate::rules::Rule;
 
 /// Limit of the instances that one phase takes. Some libraries allow no more than 50 in a process.
@@ -42,25 +42,35 @@ struct Search {
     when: &'static str,
     /// Number of instances that may still be made.
     room: u32,
-    /// Names of the variables that were refused without a word to the logger.
-    silent: Vec<String>,
+    /// `true` if variables were left out for want of instances.
+    is_cut: bool,
+    /// Names of the variables with a finding, which is told of one phase.
+    told: Vec<String>,
 }
 
 impl Subject<'_> {
     /// Reads all variables, then sets those that can be set to other values and reads these back.
-    pub(super) fn variables(&self, library: &Library) -> Result<(), ReportedFailure> {
+    pub(super) fn variables(&self, library: &Library) -> Result<(), Ended> {
         self.run_once(library)?;
+        if self.plan.abilities.once_per_process {
+            return Ok(());
+        }
         let settable = self.plan.variables.iter().filter(|variable| variable.other.is_some());
         let settable: Vec<Variable> = settable.cloned().collect();
-        let mut silent = Vec::new();
+        let mut told = Vec::new();
         for (phase, when) in Phase::ALL {
             let is_tried =
-                |variable: &&Variable| phase.allows(variable) && !silent.contains(&variable.name);
-            let group: Vec<Variable> = settable.iter().filter(is_tried).cloned().collect();
-            let mut search = Search { phase, when, room: MOST_INSTANCES, silent: Vec::new() };
-            self.set(library, &group, &mut search)?;
-            silent.extend(search.silent);
-            if search.room == 0 {
+                |variable: &&Variable| phase.allows(variable) && !told.contains(&variable.name);
+            let mut group: Vec<Variable> = settable.iter().filter(is_tried).cloned().collect();
+            // A library that changes one value with another shows it in one of two orders.
+            if phase == Phase::Initialization {
+                group.reverse();
+            }
+            let room = MOST_INSTANCES;
+            let mut search = Search { phase, when, room, is_cut: false, told: Vec::new() };
+            self.set(library, &group, &mut search);
+            told.extend(search.told);
+            if search.is_cut {
                 let note = format!(
                     "other values are refused {when}: after {MOST_INSTANCES} instances, or as many as the library allows, no more are tried"
                 );
@@ -71,15 +81,13 @@ impl Subject<'_> {
     }
 
     /// Makes a short run in which all variables are read.
-    pub(super) fn run_once(&self, library: &Library) -> Result<(), ReportedFailure> {
+    pub(super) fn run_once(&self, library: &Library) -> Result<(), Ended> {
         const STEPS: u32 = 3;
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
         self.read(&instance, &self.plan.variables)?;
         for number in 0..self.plan.steps.min(STEPS) {
-            if !self.step(&instance, self.time(number), self.plan.step)? {
-                break;
-            }
+            self.step(&instance, self.time(number), self.plan.step)?;
             self.read(&instance, &self.plan.variables)?;
         }
         self.at("fmi2Terminate");
@@ -87,47 +95,44 @@ impl Subject<'_> {
     }
 
     /// Sets variables of a group together; if that is refused, those of each half, down to single ones.
-    fn set(
-        &self,
-        library: &Library,
-        group: &[Variable],
-        search: &mut Search,
-    ) -> Result<(), ReportedFailure> {
-        if group.is_empty() || search.room == 0 {
-            return Ok(());
+    fn set(&self, library: &Library, group: &[Variable], search: &mut Search) {
+        if group.is_empty() {
+            return;
         }
-        search.room -= 1;
-        let when = search.when;
-        self.at("fmi2Instantiate");
-        let location = self.location();
-        let Some(instance) = library.instantiate(&self.plan.guid, &location, true, false) else {
-            // The library has made instances before; it has a limit.
-            search.room = 0;
-            return Ok(());
+        let instance = search.room.checked_sub(1).and_then(|room| {
+            search.room = room;
+            self.at("fmi2Instantiate");
+            let location = self.location();
+            library.instantiate(&self.arguments(&location))
+        });
+        // The library has made instances before: if it makes no more, it has a limit.
+        let Some(instance) = instance else {
+            search.is_cut = true;
+            return;
         };
         heard();
-        let Err((call, refused)) = self.attempt(&instance, group, search) else {
-            return Ok(());
-        };
+        let Err((call, refused)) = self.attempt(&instance, group, search) else { return };
         let said = said();
         drop(instance);
-        match group {
-            [variable] => {
-                if said.is_empty() {
-                    let name = &variable.name;
-                    let message = format!(
-                        "{call} returns {refused} with another value of {name} set {when}, and the logger is told no reason"
-                    );
-                    self.journal.finding(Rule::RefusalSilent, &message);
-                    search.silent.push(name.clone());
-                }
-                Ok(())
+        if let [variable] = group {
+            let (name, when) = (&variable.name, search.when);
+            if !refused.is_fatal() && !said.is_empty() {
+                return;
             }
-            _ => {
-                let (one, other) = group.split_at(group.len() / 2);
-                self.set(library, one, search)?;
-                self.set(library, other, search)
-            }
+            let (rule, no_reason) = if refused.is_fatal() {
+                (Rule::CallFailed, "")
+            } else {
+                (Rule::RefusalSilent, ", and the logger is told no reason")
+            };
+            let message = format!(
+                "{call} returns {refused} with another value of {name} set {when}{no_reason}{said}"
+            );
+            self.journal.finding(rule, &message);
+            search.told.push(name.clone());
+        } else {
+            let (one, other) = group.split_at(group.len() / 2);
+            self.set(library, one, search);
+            self.set(library, other, search);
         }
     }
 
@@ -145,20 +150,28 @@ impl Subject<'_> {
             self.at(&format!("{name}, other values set {when}"));
             call().map_err(|refused| (name.to_owned(), refused))
         };
+        // Returns the variables whose other values were accepted without a warning.
         let set = || {
-            group.iter().try_for_each(|variable| {
-                let Some(other) = &variable.other else { return Ok(()) };
-                let name = function("Set", variable.kind);
-                calls(&name, &|| instance.write(variable.reference, other))
-            })
+            let mut accepted = Vec::new();
+            for variables in by_type(group) {
+                instance.has_warned();
+                let name = function("Set", variables[0].kind);
+                calls(&name, &|| instance.write(&others(variables)))?;
+                if !instance.has_warned() {
+                    let kept = variables.iter().filter(|variable| variable.role.keeps_value());
+                    accepted.extend(kept.cloned());
+                }
+            }
+            Ok(accepted)
         };
+        let mut accepted = Vec::new();
         calls("fmi2SetupExperiment", &|| instance.setup(tolerance, start, stop))?;
         if phase == Phase::Before {
-            set()?;
+            accepted = set()?;
         }
         calls("fmi2EnterInitializationMode", &|| instance.enter_initialization())?;
         if phase == Phase::Initialization {
-            set()?;
+            accepted = set()?;
         }
         calls("fmi2ExitInitializationMode", &|| instance.exit_initialization())?;
         // During a run the standard allows reading only once a step has followed the setting, and no step after the last.
@@ -169,31 +182,31 @@ impl Subject<'_> {
             }
             calls("fmi2DoStep", &|| instance.step(start, step))?;
             time = self.time(1);
-            set()?;
+            accepted = set()?;
         } else {
-            self.read_back(instance, group, when)?;
+            self.read_back(instance, &accepted, when)?;
         }
-        calls("fmi2DoStep", &|| instance.step(time, step))?;
-        self.read_back(instance, group, when)
+        match calls("fmi2DoStep", &|| instance.step(time, step)) {
+            Err((_, refused)) if refused.is_no_step() => Ok(()),
+            Err(refused) => Err(refused),
+            Ok(()) => self.read_back(instance, &accepted, when),
+        }
     }
 
     /// Reports values that were accepted and are not kept.
     fn read_back(
         &self,
         instance: &Instance<'_>,
-        group: &[Variable],
+        accepted: &[Variable],
         when: &str,
     ) -> Result<(), (String, Refused)> {
-        for variables in by_type(group) {
+        for variables in by_type(accepted) {
             let name = function("Get", variables[0].kind);
             self.at(&format!("{name}, other values set {when}"));
             let read = instance.read(variables[0].kind, &references(variables));
             let found = read.map_err(|refused| (name, refused))?;
             for (variable, found) in variables.iter().zip(found) {
-                let Some(other) = variable.other.as_ref().filter(|_| variable.role.keeps_value())
-                else {
-                    continue;
-                };
+                let Some(other) = &variable.other else { continue };
                 if !other.agrees_with(&found) {
                     let (name, call) = (&variable.name, function("Set", variable.kind));
                     let message = format!(
@@ -205,4 +218,12 @@ impl Subject<'_> {
         }
         Ok(())
     }
+}
+
+/// Other values of variables, by reference.
+pub(super) fn others(variables: &[Variable]) -> Vec<(u32, &Value)> {
+    variables
+        .iter()
+        .filter_map(|variable| Some((variable.reference, variable.other.as_ref()?)))
+        .collect()
 }

@@ -2,7 +2,7 @@
 
 use super::instance::Instance;
 use super::status::Refused;
-use super::values::{Get, Set, function};
+use super::values::{Get, Set, Value, function};
 use crate::description::Kind;
 use std::ptr;
 
@@ -22,13 +22,13 @@ struct Guarded<T> {
 }
 
 impl<T: Copy> Guarded<T> {
-    const PAGE: usize = 4096;
-
     /// Copies `content` to a place beside a guard; `None` if the system has no memory for it.
     fn new(content: &[T], side: Side, is_read_only: bool) -> Option<Self> {
+        // SAFETY: the call takes a name and returns a number.
+        let page = usize::try_from(unsafe { libc::sysconf(libc::_SC_PAGESIZE) }).ok()?;
         let bytes = size_of_val(content);
-        let own = bytes.next_multiple_of(Self::PAGE).max(Self::PAGE);
-        let size = own + 2 * Self::PAGE;
+        let own = bytes.next_multiple_of(page).max(page);
+        let size = own + 2 * page;
         // SAFETY: this asks for new memory, which nothing else uses.
         let pages = unsafe {
             libc::mmap(
@@ -43,23 +43,21 @@ impl<T: Copy> Guarded<T> {
         if pages == libc::MAP_FAILED {
             return None;
         }
-        let offset = Self::PAGE + if matches!(side, Side::End) { own - bytes } else { 0 };
+        let offset = page + if matches!(side, Side::End) { own - bytes } else { 0 };
         let made = Self { pages, size, array: pages.wrapping_byte_add(offset).cast() };
-        made.protect(own, libc::PROT_READ | libc::PROT_WRITE)?;
+        let protect = |access: i32| {
+            // SAFETY: the pages belong to this array alone.
+            let result = unsafe { libc::mprotect(pages.wrapping_byte_add(page), own, access) };
+            (result == 0).then_some(())
+        };
+        protect(libc::PROT_READ | libc::PROT_WRITE)?;
         // SAFETY: the pages can be written now and hold so many bytes from there; the size of a type is a multiple of its
         // alignment, to which the page's end is aligned.
         unsafe { ptr::copy_nonoverlapping(content.as_ptr(), made.array, content.len()) };
         if is_read_only {
-            made.protect(own, libc::PROT_READ)?;
+            protect(libc::PROT_READ)?;
         }
         Some(made)
-    }
-
-    fn protect(&self, own: usize, access: i32) -> Option<()> {
-        // SAFETY: the pages belong to this array alone.
-        let result =
-            unsafe { libc::mprotect(self.pages.wrapping_byte_add(Self::PAGE), own, access) };
-        (result == 0).then_some(())
     }
 }
 
@@ -106,21 +104,47 @@ impl Instance<'_> {
         })
     }
 
-    /// Sets Real variables from an array that can only be read and lies beside a guard, as the references do.
+    /// Sets variables of one type from an array that can only be read and lies beside a guard, as the references do.
+    /// Strings are left out.
     pub(crate) fn write_guarded(
         &self,
-        references: &[u32],
-        values: &[f64],
+        kind: Kind,
+        values: &[(u32, &Value)],
         side: Side,
     ) -> Result<(), Refused> {
-        let function = self.function::<Set<f64>>("fmi2SetReal")?;
+        let all = values.iter().map(|(_, value)| *value);
+        let references: Vec<u32> = values.iter().map(|(reference, _)| *reference).collect();
+        match kind.base() {
+            Kind::Real => {
+                let values: Vec<f64> = all.filter_map(Value::real).collect();
+                self.set_guarded(kind, &references, &values, side)
+            }
+            Kind::String => Ok(()),
+            _ => {
+                let values: Vec<i32> = all.filter_map(Value::integer).collect();
+                self.set_guarded(kind, &references, &values, side)
+            }
+        }
+    }
+
+    fn set_guarded<T: Copy>(
+        &self,
+        kind: Kind,
+        references: &[u32],
+        values: &[T],
+        side: Side,
+    ) -> Result<(), Refused> {
+        let function = self.function::<Set<T>>(&function("Set", kind))?;
+        assert_eq!(references.len(), values.len());
         let (Some(asked), Some(written)) =
             (Guarded::new(references, side, true), Guarded::new(values, side, true))
         else {
             return Ok(());
         };
-        let count = references.len().min(values.len());
-        // SAFETY: as above.
-        self.succeeded(unsafe { function(self.component(), asked.array, count, written.array) })
+        // SAFETY: the component is alive and the arrays are of the length that is stated. A library that leaves them ends
+        // this process.
+        self.succeeded(unsafe {
+            function(self.component(), asked.array, references.len(), written.array)
+        })
     }
 }

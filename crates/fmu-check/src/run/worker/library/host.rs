@@ -1,4 +1,4 @@
-//! What belongs to the host in a process: how floating point is computed, who handles signals, and random numbers.
+//! Settings of the process that belong to the host: how floating point is computed, and who handles signals.
 
 /// Settings of the host that a library must leave as they are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -7,11 +7,13 @@ pub(crate) struct HostSettings {
     pub(crate) floating_point: Option<(u32, u16)>,
     /// Handlers of the signals, from signal 1.
     pub(crate) signals: Vec<usize>,
+    /// Settings by name.
+    pub(crate) named: Vec<(&'static str, String)>,
 }
 
 impl HostSettings {
     pub(crate) fn read() -> Self {
-        Self { floating_point: floating_point(), signals: signals() }
+        Self { floating_point: floating_point(), signals: signals(), named: named() }
     }
 }
 
@@ -53,8 +55,36 @@ fn signals() -> Vec<usize> {
     Vec::new()
 }
 
-/// Seeds the C library's generator of random numbers.
-pub(crate) fn seed(number: u32) {
-    // SAFETY: no other thread of the process uses the generator.
-    unsafe { libc::srand(number) }
+#[cfg(unix)]
+fn named() -> Vec<(&'static str, String)> {
+    let folder = std::env::current_dir().map_or(String::new(), |path| path.display().to_string());
+    // SAFETY: NULL asks for the locale, a string that stays until the locale changes.
+    let locale = unsafe {
+        let name = libc::setlocale(libc::LC_ALL, std::ptr::null());
+        if name.is_null() {
+            String::new()
+        } else {
+            std::ffi::CStr::from_ptr(name).to_string_lossy().into_owned()
+        }
+    };
+    let mut mask = std::mem::MaybeUninit::<libc::sigset_t>::zeroed();
+    // SAFETY: without a new mask the call only writes the present one; all bytes zero are a mask as well.
+    let mask = unsafe {
+        libc::pthread_sigmask(libc::SIG_BLOCK, std::ptr::null(), mask.as_mut_ptr());
+        mask.assume_init()
+    };
+    // SAFETY: the mask is initialized and the numbers are those of signals.
+    let blocked =
+        (1..=31).filter(|signal| unsafe { libc::sigismember(&raw const mask, *signal) } == 1);
+    let blocked: Vec<String> = blocked.map(|signal| signal.to_string()).collect();
+    vec![
+        ("the working folder", folder),
+        ("the locale", locale),
+        ("the mask of blocked signals", format!("[{}]", blocked.join(" "))),
+    ]
+}
+
+#[cfg(not(unix))]
+fn named() -> Vec<(&'static str, String)> {
+    Vec::new()
 }

@@ -1,7 +1,7 @@
 //! An instance and the calls of the standard on it.
 
 use super::callbacks::Callbacks;
-use super::status::{Refused, succeeded};
+use super::status::{Refused, is_warning, succeeded};
 use super::{Component, FreeInstance, Library, Status, Text};
 use libc::{c_int, c_void, size_t};
 use std::cell::Cell;
@@ -17,8 +17,12 @@ pub(crate) struct Instance<'a> {
     // Some libraries keep the pointers to these.
     _callbacks: Box<Callbacks>,
     _texts: [CString; 3],
-    /// `true` after fmi2Fatal, when no function may be called any more.
+    /// `true` after fmi2Fatal or fmi2Pending, when no function may be called any more, not even fmi2FreeInstance.
     is_lost: Cell<bool>,
+    /// `true` if a call has returned fmi2Warning since it was last asked.
+    has_warned: Cell<bool>,
+    /// `true` once a state was saved, to which the host may go back.
+    may_go_back: Cell<bool>,
 }
 
 /// A state that a library has saved.
@@ -31,8 +35,15 @@ impl<'a> Instance<'a> {
         callbacks: Box<Callbacks>,
         texts: [CString; 3],
     ) -> Self {
-        let is_lost = Cell::new(false);
-        Self { library, component, _callbacks: callbacks, _texts: texts, is_lost }
+        Self {
+            library,
+            component,
+            _callbacks: callbacks,
+            _texts: texts,
+            is_lost: Cell::new(false),
+            has_warned: Cell::new(false),
+            may_go_back: Cell::new(false),
+        }
     }
 
     /// The library's own pointer to the instance.
@@ -42,15 +53,26 @@ impl<'a> Instance<'a> {
 
     /// Returns a function of the library; `T` is the type that the standard gives it.
     pub(super) fn function<T: Copy>(&self, name: &str) -> Result<T, Refused> {
+        if self.is_lost.get() {
+            return Err(Refused::Lost);
+        }
         self.library.function(name)
     }
 
     pub(super) fn succeeded(&self, status: Status) -> Result<(), Refused> {
         let result = succeeded(status);
-        if result.is_err_and(Refused::is_fatal) {
+        if result.is_err_and(Refused::is_last) {
             self.is_lost.set(true);
         }
+        if is_warning(status) {
+            self.has_warned.set(true);
+        }
         result
+    }
+
+    /// `true` if a call has returned fmi2Warning since this was last asked.
+    pub(crate) fn has_warned(&self) -> bool {
+        self.has_warned.take()
     }
 
     fn call(&self, name: &str) -> Result<(), Refused> {
@@ -94,8 +116,9 @@ impl<'a> Instance<'a> {
     pub(crate) fn step(&self, time: f64, step: f64) -> Result<(), Refused> {
         type Step = unsafe extern "C" fn(Component, f64, f64, c_int) -> Status;
         let function = self.function::<Step>("fmi2DoStep")?;
+        let stays = c_int::from(!self.may_go_back.get());
         // SAFETY: the component is alive.
-        self.succeeded(unsafe { function(self.component, time, step, 0) })
+        self.succeeded(unsafe { function(self.component, time, step, stays) })
     }
 
     /// Turns messages to the logger on or off, of the categories that are given or of all if there are none.
@@ -113,6 +136,7 @@ impl<'a> Instance<'a> {
     pub(crate) fn save(&self) -> Result<SavedState, Refused> {
         type Save = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
         let function = self.function::<Save>("fmi2GetFMUstate")?;
+        self.may_go_back.set(true);
         let mut state = SavedState(ptr::null_mut());
         // SAFETY: the component is alive; NULL asks for a new state.
         self.succeeded(unsafe { function(self.component, &raw mut state.0) }).map(|()| state)
@@ -125,10 +149,20 @@ impl<'a> Instance<'a> {
         self.succeeded(unsafe { function(self.component, state.0) })
     }
 
-    pub(crate) fn free(&self, mut state: SavedState) -> Result<(), Refused> {
+    /// Frees a state. Returns `true` if the library has set the pointer to it to NULL, as the standard wants.
+    pub(crate) fn free(&self, mut state: SavedState) -> Result<bool, Refused> {
+        self.free_state(&mut state).map(|()| state.0.is_null())
+    }
+
+    /// Frees NULL, which the standard has ignored.
+    pub(crate) fn free_no_state(&self) -> Result<(), Refused> {
+        self.free_state(&mut SavedState(ptr::null_mut()))
+    }
+
+    fn free_state(&self, state: &mut SavedState) -> Result<(), Refused> {
         type FreeState = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
         let function = self.function::<FreeState>("fmi2FreeFMUstate")?;
-        // SAFETY: component and state are alive, and the state is used no more.
+        // SAFETY: the component is alive, and the state is alive or NULL and used no more.
         self.succeeded(unsafe { function(self.component, &raw mut state.0) })
     }
 
@@ -163,9 +197,6 @@ impl<'a> Instance<'a> {
 
 impl Drop for Instance<'_> {
     fn drop(&mut self) {
-        if self.is_lost.get() {
-            return;
-        }
         if let Ok(free) = self.function::<FreeInstance>("fmi2FreeInstance") {
             // SAFETY: the component is alive and used no more.
             unsafe { free(self.component) }

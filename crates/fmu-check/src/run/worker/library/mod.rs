@@ -11,6 +11,7 @@ mod guarded;
 mod heap;
 mod host;
 mod instance;
+mod random;
 mod status;
 mod values;
 
@@ -18,8 +19,9 @@ pub(super) use callbacks::heard;
 #[cfg(unix)]
 pub(super) use guarded::Side;
 pub(super) use heap::heap;
-pub(super) use host::{HostSettings, seed};
+pub(super) use host::HostSettings;
 pub(super) use instance::{Instance, SavedState};
+pub(super) use random::seed;
 pub(super) use status::Refused;
 pub(super) use values::{Value, function};
 
@@ -91,13 +93,8 @@ impl Library {
     }
 
     /// Makes an instance for co-simulation; `None` if the library returns NULL.
-    pub(super) fn instantiate(
-        &self,
-        guid: &str,
-        location: &str,
-        memory_callbacks: bool,
-        logging: bool,
-    ) -> Option<Instance<'_>> {
+    pub(super) fn instantiate(&self, arguments: &Arguments<'_>) -> Option<Instance<'_>> {
+        let Arguments { guid, location, memory_callbacks, logging } = *arguments;
         let make = self.function::<Instantiate>("fmi2Instantiate").ok()?;
         let texts = [c"check".to_owned(), CString::new(guid).ok()?, CString::new(location).ok()?];
         let callbacks = Box::new(Callbacks::new(memory_callbacks));
@@ -108,4 +105,15 @@ impl Library {
         };
         (!component.is_null()).then(|| Instance::new(self, component, callbacks, texts))
     }
+}
+
+/// Arguments of `fmi2Instantiate`.
+#[derive(Clone, Copy)]
+pub(super) struct Arguments<'a> {
+    pub(super) guid: &'a str,
+    /// URI of the resources.
+    pub(super) location: &'a str,
+    /// `false` for NULL in their place.
+    pub(super) memory_callbacks: bool,
+    pub(super) logging: bool,
 }

@@ -17,6 +17,10 @@ pub(crate) enum Refused {
     Missing,
     /// The library states a size that no memory can have.
     Size(usize),
+    /// The library gave a Boolean a value that is neither `fmi2True` nor `fmi2False`.
+    NoBoolean(i32),
+    /// An earlier call returned fmi2Fatal or fmi2Pending, so that the function was not called.
+    Lost,
 }
 
 impl Refused {
@@ -25,10 +29,19 @@ impl Refused {
         matches!(self, Self::Status(DISCARD | PENDING))
     }
 
-    /// `true` if the status is fmi2Fatal, after which no instance may be used.
+    /// `true` if the library has given up the instance.
     pub(crate) fn is_fatal(self) -> bool {
-        self == Self::Status(FATAL)
+        matches!(self, Self::Status(FATAL) | Self::Lost)
     }
+
+    /// `true` if no function of the instance may be called after this.
+    pub(super) fn is_last(self) -> bool {
+        matches!(self, Self::Status(FATAL | PENDING))
+    }
+}
+
+pub(super) fn is_warning(status: Status) -> bool {
+    status == WARNING
 }
 
 /// The answer of the call, in words.
@@ -41,6 +54,12 @@ impl fmt::Display for Refused {
             Self::Status(PENDING) => f.write_str("fmi2Pending"),
             Self::Status(other) => write!(f, "{other}, which is not a value of fmi2Status"),
             Self::Missing => f.write_str("nothing (it is not exported)"),
+            Self::NoBoolean(value) => {
+                write!(f, "the value {value}, which is neither fmi2True (1) nor fmi2False (0)")
+            }
+            Self::Lost => {
+                f.write_str("nothing (an earlier call returned fmi2Fatal or fmi2Pending)")
+            }
             Self::Size(size) => write!(f, "a size of {size} bytes, which cannot be allocated"),
         }
     }

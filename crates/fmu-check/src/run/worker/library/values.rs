@@ -23,10 +23,10 @@ pub(crate) enum Value {
 }
 
 impl Value {
-    /// `true` if a host cannot tell the values apart. Unlike equality this holds for two NaN of the same bits.
+    /// `true` if the values are the same for a host. Unlike equality this holds for two NaN.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Real(one), Self::Real(other)) => one.to_bits() == other.to_bits(),
+            (Self::Real(one), Self::Real(other)) => one == other || one.is_nan() && other.is_nan(),
             (Self::Integer(one), Self::Integer(other)) => one == other,
             (Self::Boolean(one), Self::Boolean(other)) => one == other,
             (Self::String(one), Self::String(other)) => one == other,
@@ -42,6 +42,28 @@ impl Value {
             }
             _ => self.is_same(found),
         }
+    }
+
+    pub(super) fn kind(&self) -> Kind {
+        match self {
+            Self::Real(_) => Kind::Real,
+            Self::Integer(_) => Kind::Integer,
+            Self::Boolean(_) => Kind::Boolean,
+            Self::String(_) => Kind::String,
+        }
+    }
+
+    /// The value as FMI passes an Integer or a Boolean; `None` if it is of another type.
+    pub(super) fn integer(&self) -> Option<i32> {
+        match self {
+            Self::Integer(value) => Some(*value),
+            Self::Boolean(value) => Some(i32::from(*value)),
+            _ => None,
+        }
+    }
+
+    fn text(&self) -> Option<CString> {
+        if let Self::String(value) = self { CString::new(value.as_str()).ok() } else { None }
     }
 
     /// The value as a Real; `None` if it is of another type.
@@ -82,7 +104,11 @@ impl Instance<'_> {
             }
             Kind::Boolean => {
                 let read = self.get(kind, references, 0_i32)?;
-                read.into_iter().map(|value| Value::Boolean(value != 0)).collect()
+                let boolean = |value| match value {
+                    0 | 1 => Ok(Value::Boolean(value == 1)),
+                    _ => Err(Refused::NoBoolean(value)),
+                };
+                return read.into_iter().map(boolean).collect();
             }
             Kind::String => {
                 let read: Vec<Text> = self.get(kind, references, ptr::null())?;
@@ -108,24 +134,34 @@ impl Instance<'_> {
         Ok(values)
     }
 
-    /// Sets one variable.
-    pub(crate) fn write(&self, reference: u32, value: &Value) -> Result<(), Refused> {
-        match value {
-            Value::Real(value) => self.set(Kind::Real, reference, *value),
-            Value::Integer(value) => self.set(Kind::Integer, reference, *value),
-            Value::Boolean(value) => self.set(Kind::Boolean, reference, i32::from(*value)),
-            Value::String(value) => {
-                let text = CString::new(value.as_str()).map_err(|_| Refused::Missing)?;
-                self.set(Kind::String, reference, text.as_ptr())
+    /// Sets variables of one type in one call; the values are of that type.
+    pub(crate) fn write(&self, values: &[(u32, &Value)]) -> Result<(), Refused> {
+        let Some((_, first)) = values.first() else { return Ok(()) };
+        let kind = first.kind();
+        let all = values.iter().map(|(_, value)| *value);
+        match kind.base() {
+            Kind::Real => {
+                self.set(kind, values, &all.filter_map(Value::real).collect::<Vec<f64>>())
             }
+            Kind::String => {
+                let texts: Vec<CString> = all.filter_map(Value::text).collect();
+                self.set(
+                    kind,
+                    values,
+                    &texts.iter().map(|text| text.as_ptr()).collect::<Vec<Text>>(),
+                )
+            }
+            _ => self.set(kind, values, &all.filter_map(Value::integer).collect::<Vec<i32>>()),
         }
     }
 
-    fn set<T: Copy>(&self, kind: Kind, reference: u32, value: T) -> Result<(), Refused> {
+    fn set<T>(&self, kind: Kind, asked: &[(u32, &Value)], values: &[T]) -> Result<(), Refused> {
         let function = self.function::<Set<T>>(&function("Set", kind))?;
-        // SAFETY: the component is alive and both arrays have one element.
+        let references: Vec<u32> = asked.iter().map(|(reference, _)| *reference).collect();
+        assert_eq!(references.len(), values.len());
+        // SAFETY: the component is alive and the arrays are of the length that is stated.
         self.succeeded(unsafe {
-            function(self.component(), &raw const reference, 1, &raw const value)
+            function(self.component(), references.as_ptr(), references.len(), values.as_ptr())
         })
     }
 }
