@@ -193,13 +193,19 @@ impl OrbitStart {
         }
         let size =
             ranges.iter().fold(0.0, |size: f64, [least, most]| size.max(0.5 * (most - least)));
+        let off = self.distance(simulation.motion(), size);
+        Ok((off, off <= check::SAME))
+    }
+
+    /// The difference of a motion from its beginning, in parts of the motion's size: the largest half range of a
+    /// displacement, m.
+    #[must_use]
+    pub fn distance(&self, motion: &Motion, size: f64) -> f64 {
         let difference = |a: &[f64], b: &[f64], unit: f64| {
             a.iter().zip(b).map(|(a, b)| (a - b).abs() / unit).fold(0.0, f64::max)
         };
-        let place = difference(simulation.displacement(), &self.displacement, size);
-        let speed = difference(simulation.velocity(), &self.velocity, size * TAU / self.period);
-        let off = place.max(speed);
-        Ok((off, off <= check::SAME))
+        let place = difference(&motion.displacement, &self.displacement, size);
+        place.max(difference(&motion.velocity, &self.velocity, size * TAU / self.period))
     }
 
     fn initial_values(&self, scene: &Scene) -> Vec<(String, f64)> {

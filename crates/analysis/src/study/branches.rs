@@ -1,7 +1,7 @@
 //! Branches of periodic motions over a parameter, from known motions, with the branch of uniform sliding.
 
 use super::orbit::{From, solved};
-use super::{Journal, ObservationSettings, Watch};
+use super::{Journal, ObservationSettings, Watch, drive};
 use crate::assign::{assign, value_of};
 use crate::orbit::{Branch, Continued, Flow, FlowAt, branch};
 use crate::stability::candidates::{spread, stable_ranges, uniform_sliding};
@@ -76,6 +76,7 @@ pub fn branches(
     watch: Watch<'_>,
 ) -> Result<Option<Branches>, Error> {
     let BranchQuestion { name, range, starts, most_points } = question;
+    let scene = &drive::without_silent_sines(scene, Some(name));
     let scene_at = |value: f64| -> Result<Scene, Error> {
         let mut scene = scene.clone();
         assign(&mut scene, name, value)?;
