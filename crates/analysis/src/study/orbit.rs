@@ -12,7 +12,6 @@ use crate::orbit::{
 };
 use crate::stability::{Linearised, linearity_limit, modes};
 use amontons::Error;
-use amontons::error::Short;
 use amontons::integrator::Motion;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
@@ -253,22 +252,24 @@ fn where_the_run_is(
         Ok(Some(found)) => found,
         Ok(None) => return Ok(None),
         Err(why) => {
-            let error = refused(&why.words(simulation));
+            let tried = format!("with whole periods of its drive, {}", why.words(simulation));
+            let error = refused(&tried);
             return Err(Unfound { error, best: why.best() });
         }
     };
     let size = orbit.extents.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let off = orbit.start().distance(simulation.motion(), size);
-    if off > CLOSED || orbit.is_stable() == Some(false) {
-        let stability = if off > CLOSED { "" } else { " unstable" };
-        return Err(refused(&format!(
-            "the run is {off:.1e} of the motion's size away from the{stability} periodic motion of {} s that Newton's \
-             method finds",
-            Short(orbit.period)
-        ))
-        .into());
-    }
-    Ok(Some((orbit, chain)))
+    let but = if off > CLOSED {
+        format!("the run is {off:.1e} of its size away from it")
+    } else if orbit.is_stable() == Some(false) {
+        "it is unstable, so the run does not stay on it".to_owned()
+    } else {
+        return Ok(Some((orbit, chain)));
+    };
+    let period = orbit.period;
+    let why =
+        format!("Newton's method finds a periodic motion of {period:.6e} s near it, but {but}");
+    Err(refused(&why).into())
 }
 
 /// The error for a motion without a period; `tried` is the reason why a multiple of the drive's period is none either.
@@ -277,16 +278,16 @@ fn no_period(scene: &Scene, ending: &LongTermMotion, tried: Option<&str>) -> Err
     let what = match ending.kind {
         Kind::Equilibrium => "it comes to rest",
         Kind::Unbounded => "it grows without bound",
-        Kind::Unsettled => "it has not settled; a larger --longest may show what it becomes",
+        Kind::Unsettled => {
+            "it has not settled; a larger --longest or --window may show what it becomes"
+        }
         Kind::QuasiPeriodic => "it is quasi-periodic: it never comes back",
         Kind::Irregular => "it is irregular: it never comes back",
         Kind::Periodic | Kind::Undecided => {
             "its period is not known; a longer --window, or a larger --longest, may show it"
         }
     };
-    let tried = tried.map_or_else(String::new, |why| {
-        format!("; whole periods of its drive do not give its period: {why}")
-    });
+    let tried = tried.map_or_else(String::new, |why| format!("; {why}"));
     Error::analysis(format!(
         "the motion of {name} from its start is not periodic: {what}{tried}. Other starts: --set initial.NAME=VALUE, a known orbit \
          with --from, the boundary between two motions with --between, or a mode with --mode"
