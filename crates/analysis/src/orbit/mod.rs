@@ -14,6 +14,7 @@
 //! | `branch` | a branch of periodic motions over a parameter, its special points and ends |
 //! | `corrector` | one point of a branch from another, by pseudo-arclength |
 //! | `follow` | a branch from point to point: special points, changes of the sequence of events |
+//! | `signals` | the signals under which motions are periodic |
 //! | `search` | from a motion that nearly comes back to a periodic one |
 //!
 //! An orbit begins as a run of the event-driven integrator over one period, which finds the sequence of events. Newton's
@@ -33,6 +34,7 @@ mod follow;
 mod matrix;
 mod multipliers;
 mod search;
+mod signals;
 
 pub use branch::{Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint};
 pub use chain::{Chain, Linear, Segment, Unsolved};
@@ -42,6 +44,7 @@ pub use flow::{Flow, Instant, Stage, check_method};
 pub use follow::branch;
 pub use multipliers::{Multipliers, multipliers};
 pub use search::{NoOrbit, Start, search};
+pub use signals::check_signals;
 
 use crate::assign::assign;
 use amontons::Error;
