@@ -88,6 +88,28 @@ fn common_period(a: f64, b: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use amontons::scene::{builtin, parse};
+
+    #[test]
+    fn a_sine_without_amplitude_takes_no_part_in_the_drive() {
+        let text = builtin("den_hartog").unwrap().text;
+        let sine =
+            "[[signal]]\ninput = \"mass.block.fx\"\nsine = { amplitude = 0.0, frequency = 0.1 }";
+        let mut scene = parse("silent", &format!("{text}\n{sine}")).unwrap();
+        let of = |scene: &Scene| {
+            let simulation = Simulation::new(scene.clone(), 0.0).unwrap();
+            (period(&simulation), is_repeated(&simulation, 1.0))
+        };
+        assert_eq!(of(&scene), (Some(0.4), true));
+        let silenced = |scene: &Scene, name| {
+            matches!(without_silent_sines(scene, name).signals[1].shape, Shape::Constant(_))
+        };
+        assert!(silenced(&scene, None) && silenced(&scene, Some("signal[1].amplitude")));
+        assert!(!silenced(&scene, Some("signal[2].amplitude")));
+        crate::assign::assign(&mut scene, "signal[1].amplitude", 0.0).unwrap();
+        // Nothing drives it at all.
+        assert_eq!(of(&scene), (None, true));
+    }
 
     #[test]
     fn two_periods_have_the_common_one_of_their_ratio() {

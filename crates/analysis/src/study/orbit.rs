@@ -142,7 +142,8 @@ impl Begun {
             simulation.advance_to((simulation.time() / drive).ceil() * drive)?;
         }
         let period = match (period_of(&ending), drive) {
-            (Some(period), _) => period,
+            (Some(period), Some(drive)) => multiple_of_drive(period, drive),
+            (Some(period), None) => period,
             (None, Some(drive)) if may_follow(&ending) && drive <= observation.longest => {
                 let longest = observation.longest;
                 let period = strobe::nearest_return(&mut simulation, drive, longest, watch)?;
@@ -235,6 +236,13 @@ fn period_of(ending: &LongTermMotion) -> Option<f64> {
     ending.period.filter(|_| ending.kind == Kind::Periodic)
 }
 
+/// The multiple of the drive's period (s) that an observed period (s) is but for the accuracy of the observation; the
+/// observed period where it is none, as of a motion that does not feel the drive.
+fn multiple_of_drive(period: f64, drive: f64) -> f64 {
+    let multiple = drive * (period / drive).round();
+    if (multiple / period - 1.0).abs() <= CLOSED { multiple } else { period }
+}
+
 /// `true` if a motion whose period was not seen may still follow its drive.
 fn may_follow(ending: &LongTermMotion) -> bool {
     matches!(ending.kind, Kind::Undecided | Kind::Unsettled) || ending.follows
@@ -301,4 +309,34 @@ fn unfound(simulation: &Simulation, why: NoOrbit) -> Unfound {
         why.words(simulation)
     ));
     Unfound { error, best: why.best() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::ObservationRequest;
+    use amontons::scene::builtin;
+
+    /// A run may pass near an unstable orbit, or near one that it has not come to.
+    #[test]
+    fn an_orbit_of_the_drive_is_that_of_the_run_only_if_it_is_there_and_stays() {
+        let mut scene = builtin("den_hartog").unwrap().scene();
+        let observation = ObservationSettings::paced(&mut scene, &ObservationRequest::default());
+        let begun = Begun::by_run(&scene, &observation.unwrap(), Watch::IDLE).unwrap().unwrap();
+        let Begun { mut simulation, start, ending, .. } = begun;
+        let ending = ending.unwrap();
+        let found = search(&mut Flow::of(&mut simulation).unwrap(), &start, &|| true);
+        let (mut orbit, chain) = found.unwrap().unwrap();
+        let mut refusal = |orbit: &Orbit, later: f64| {
+            simulation.advance_to(simulation.time() + later).unwrap();
+            let found = Ok(Some((orbit.clone(), chain.clone())));
+            let refused = where_the_run_is(&simulation, &ending, found).err();
+            refused.map_or_else(String::new, |unfound| unfound.error.to_string())
+        };
+        assert_eq!(refusal(&orbit, 0.0), "");
+        assert!(refusal(&orbit, 0.1).contains("of its size away from it"));
+        assert!(refusal(&orbit, 0.3).is_empty());
+        orbit.multipliers[0] = [1.5, 0.0];
+        assert!(refusal(&orbit, 0.0).contains("it is unstable"));
+    }
 }
