@@ -228,7 +228,7 @@ fn a_sine_that_begins_later_is_named_with_the_one_that_would_be_right() {
     assert_refused(&refused, 1, &["known/orbit.json", "the run begins at 0 s", named]);
     let parameter = ["--parameter", "friction.coefficient=0.2:0.4"];
     let branches = [&["study", "branches", "late.toml", "-o", "no"], &parameter[..]].concat();
-    assert_refused(&amontons(here, &branches), 1, &[named, "start = 0.0 and phase = "]);
+    assert_refused(&amontons(here, &branches), 3, &[named, "start = 0.0 and phase = "]);
     let message = text(&refused.stderr);
     let (_, right) = message.split_once("start = 0.0 and ").unwrap();
     let (right, _) = right.split_once(" in its place").unwrap();
