@@ -266,10 +266,21 @@ pub enum StepFailure {
         /// The contact, from 0.
         contact: usize,
     },
-    /// The friction coefficient of a contact becomes negative within a step, or its static one falls below the kinetic one.
-    ImpossibleFriction {
+    /// The friction coefficient of a contact falls below zero.
+    NegativeFriction {
         /// The contact, from 0.
         contact: usize,
+        /// Time since the beginning of the step, s.
+        after: f64,
+    },
+    /// The static friction coefficient of a contact falls below the kinetic one.
+    WeakStaticFriction {
+        /// The contact, from 0.
+        contact: usize,
+        /// Time since the beginning of the step, s.
+        after: f64,
+        /// Both coefficients then.
+        coefficient: f64,
     },
     /// One step has more oscillations, of the structure or of its inputs, than the event-driven method follows.
     TooManySeries {
@@ -304,6 +315,19 @@ pub enum StepFailure {
         /// The contact, from 0.
         contact: usize,
     },
+}
+
+impl StepFailure {
+    /// The failure with its time counted from an instant that is earlier by this time (s).
+    #[must_use]
+    pub fn later(mut self, by: f64) -> Self {
+        if let Self::NegativeFriction { after, .. } | Self::WeakStaticFriction { after, .. } =
+            &mut self
+        {
+            *after += by;
+        }
+        self
+    }
 }
 
 /// Advances a motion in time. Implementations allocate memory when they are made, never in a step.

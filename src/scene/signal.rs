@@ -207,8 +207,8 @@ impl Shape {
         }
     }
 
-    /// Time (s) up to which, exclusively, the value stays as it is at `t`; `t` itself while the value changes.
-    /// `slack` as in [`at`](Self::at).
+    /// Time (s) up to which, exclusively, the value stays as it is at `t`; `t` itself while the value changes. A sine of
+    /// amplitude 0 never changes. `slack` as in [`at`](Self::at).
     #[must_use]
     pub fn constant_until(&self, t: f64, slack: f64) -> f64 {
         let reached = t + slack;
@@ -223,6 +223,7 @@ impl Shape {
             Self::Pulse(Pulse { start, end, .. }) => {
                 ahead(&[*start, end.unwrap_or(f64::INFINITY)]).unwrap_or(f64::INFINITY)
             }
+            Self::Sine(Sine { amplitude: 0.0, .. }) => f64::INFINITY,
             Self::Sine(Sine { start, .. }) if reached < *start => *start,
             Self::Sine(Sine { end: Some(end), .. }) if reached >= *end => f64::INFINITY,
             Self::Sine(_) => t,

@@ -4,7 +4,7 @@ use super::catalogue::Quantity;
 use super::clock::StepPlan;
 use super::{Parameters, Simulation, Variable};
 use crate::Error;
-use crate::error::Short;
+use crate::error::{Rounded, Short};
 use crate::integrator::{Motion, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::scene::{self, Structure};
@@ -53,10 +53,19 @@ impl Simulation {
             StepFailure::TooManyChanges { most } => format!(
                 "contacts changed their states more than {most} times in one internal step; lower integrator.step"
             ),
-            StepFailure::ImpossibleFriction { contact } => format!(
-                "a signal takes a friction coefficient of {} below zero, or its static one below the kinetic one; lower \
-                 the signal, or raise the coefficient that it is added to",
-                contact_name(contact)
+            StepFailure::NegativeFriction { contact, after } => format!(
+                "the friction coefficient of {} falls below zero at {} s{}; lower what is added, or raise the coefficient",
+                contact_name(contact),
+                Rounded(self.time() + after),
+                self.friction_sources(contact, |[kinetic, _]| kinetic != 0.0)
+            ),
+            StepFailure::WeakStaticFriction { contact, after, coefficient } => format!(
+                "the static friction coefficient of {} falls below its kinetic one, {}, at {} s{}; lower what is added to \
+                 the kinetic one, or raise the static one",
+                contact_name(contact),
+                Rounded(coefficient),
+                Rounded(self.time() + after),
+                self.friction_sources(contact, |_| true)
             ),
             StepFailure::TooManySeries { most } => format!(
                 "one internal step took more than {most} power series; lower integrator.step, or look for \
@@ -77,6 +86,19 @@ impl Simulation {
                 contact_name(contact)
             ),
         }
+    }
+
+    /// The inputs that change the friction coefficients of a contact for one unit of the input by such numbers, with what is
+    /// added to them.
+    fn friction_sources(&self, contact: usize, changes: impl Fn([f64; 2]) -> bool) -> String {
+        let driven = self.driven.iter();
+        let sources = driven.flat_map(|driven| driven.friction_sources(contact, &changes));
+        let sources = sources.map(|(added, variable, place)| {
+            let value = Short(self.nominal.number(place));
+            format!("{} to {} = {value}", added.join(" and "), variable.name)
+        });
+        let sources: Vec<String> = sources.collect();
+        if sources.is_empty() { String::new() } else { format!(": {}", sources.join(", ")) }
     }
 
     /// Error for a motion that is no longer finite, which began on the way to a time (s).

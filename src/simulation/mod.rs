@@ -382,9 +382,12 @@ impl Simulation {
             let Some(Steps { count, edge }) = prepared else { break };
             let step = length_to(edge, &plan);
             let count = count.min(most);
-            self.integrator
-                .advance(&mut self.motion, &self.inputs, step, count)
-                .map_err(|failure| self.failed(failure, target))?;
+            self.integrator.advance(&mut self.motion, &self.inputs, step, count).map_err(
+                |failure| {
+                    let begun = plan.next_step()[0] - self.time();
+                    self.failed(failure.later(begun), target)
+                },
+            )?;
             if let Some(edge) = edge {
                 plan.take_part(edge);
                 continue;

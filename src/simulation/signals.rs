@@ -352,6 +352,31 @@ impl DrivenInputs {
         rubbing.map(move |input| (&*input.friction, self.rate_without_waves(input, t)))
     }
 
+    /// What is added to each input that changes µ_k and µ_s of a contact by such numbers for one unit of it, in words; with
+    /// the input and the index of its nominal value.
+    pub(super) fn friction_sources(
+        &self,
+        contact: usize,
+        changes: impl Fn([f64; 2]) -> bool,
+    ) -> impl Iterator<Item = (Vec<String>, &Variable, usize)> {
+        let inputs = self.inputs.iter().filter(move |input| {
+            input.friction.iter().any(|(place, change)| *place == contact && changes(*change))
+        });
+        let added = |input: &Input| {
+            let signal = |&i: &usize| match &self.signals[i].shape {
+                Shape::Sine(sine) => {
+                    format!("signal[{}] adds a sine of amplitude {}", i + 1, Short(sine.amplitude))
+                }
+                _ => format!("signal[{}] is added", i + 1),
+            };
+            let rate = input
+                .ramp
+                .map(|ramp| format!("a rate of {} per second is added", Short(ramp.rate)));
+            input.signals.iter().map(signal).chain(rate).collect()
+        };
+        inputs.map(move |input| (added(input), &input.variable, input.place))
+    }
+
     fn rate_without_waves(&self, input: &Input, t: f64) -> f64 {
         let ramp = input.ramp.map_or(0.0, |ramp| ramp.rate);
         let shapes = self.shapes(input).filter(|shape| !self.is_wave(shape));

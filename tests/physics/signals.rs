@@ -691,6 +691,42 @@ fn friction_that_becomes_impossible_within_a_step_is_refused_whatever_the_step_i
     }
 }
 
+/// µ = 0.4 + a sin(20π (t − 0.3 s)) falls below zero at sin = −0.4/a, and rises above µ_s = 0.6 at sin = 0.2/a.
+#[test]
+fn a_refusal_of_driven_friction_names_the_fault_the_signal_and_the_instant() {
+    for step in [0.1, 1e-3] {
+        for (amplitude, at_rest, phase, words) in [
+            (
+                0.41,
+                None,
+                PI + f64::asin(0.4 / 0.41),
+                "coefficient of contact.ca falls below zero at ",
+            ),
+            (
+                0.3,
+                Some(0.6),
+                f64::asin(0.2 / 0.3),
+                "static friction coefficient of contact.ca falls below its kinetic one, 0.6, at ",
+            ),
+        ] {
+            let sine =
+                format!("sine = {{ amplitude = {amplitude:?}, frequency = 10.0, start = 0.3 }}");
+            let mut scene = driven_friction(&sine, step, "");
+            scene.static_friction = at_rest;
+            let message =
+                Simulation::new(scene, 0.0).unwrap().advance_to(1.0).unwrap_err().to_string();
+            let added = format!(
+                "signal[1] adds a sine of amplitude {amplitude:?} to friction.coefficient = 0.4"
+            );
+            assert!(message.contains(words) && message.contains(&added), "{message}");
+            let (_, after) = message.split_once(words).unwrap();
+            let time: f64 = after.split_once(" s").unwrap().0.parse().unwrap();
+            let expected = 0.3 + phase / (20.0 * PI);
+            assert!((time - expected).abs() < 1e-9, "{time} {expected}");
+        }
+    }
+}
+
 #[test]
 fn under_driven_friction_no_energy_is_lost_from_the_ledger() {
     let scene = driven_friction(SINE, 0.05, "[effects]\nenergy = true\n");

@@ -43,8 +43,10 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
     let step = step_warning(simulation.scene()).into_iter();
     let tolerance = simulation.selected().and_then(|selected| selected.shortfall());
     let scene = simulation.scene();
-    // A step that a tolerance has chosen follows the signals as well as the tolerance requires.
-    let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
+    // A step that a tolerance has chosen follows the signals as well as the tolerance requires, and event-driven motion
+    // follows them within its steps.
+    let is_held = scene.method == Method::ForwardIncrement && scene.selection == Selection::Given;
+    let signals = signal_warnings(scene).filter(|_| is_held);
     let direction = direction_warning(simulation.scene());
     let steps = step_at_start_warnings(scene);
     step.chain(tolerance)
@@ -75,7 +77,7 @@ fn direction_warning(scene: &Scene) -> Option<String> {
     })
 }
 
-/// Signals that change faster than the step can follow.
+/// Signals that change faster than the step of the paper's scheme can follow.
 fn signal_warnings(scene: &Scene) -> impl Iterator<Item = String> + '_ {
     const STEPS_A_PERIOD: f64 = 10.0;
     let of = |(i, signal): (usize, &Signal)| {
@@ -201,6 +203,22 @@ mod tests {
             ("sine = { amplitude = 1.0, frequency = 1.0, phase = 1.0, start = 0.1 }", 0),
         ] {
             assert_eq!(signal(shape).len(), count, "{shape}");
+        }
+    }
+
+    /// Event-driven motion follows a sine within its steps, and stops at both edges of a pulse.
+    #[test]
+    fn signals_within_a_step_of_event_driven_motion_do_not_stand_out() {
+        let text = builtin("belt").unwrap().text;
+        for shape in [
+            "sine = { amplitude = 1.0, frequency = 401.0 }",
+            "pulse = { value = 1.0, start = 0.1, end = 0.1002 }",
+        ] {
+            let signal = format!("[[signal]]\ninput = \"mass.block.fx\"\n{shape}");
+            let mut scene = parse("mine", &format!("{text}{signal}")).unwrap();
+            scene.method = Method::EventDriven;
+            let warnings = warnings(&Simulation::new(scene, 0.0).unwrap());
+            assert!(warnings.is_empty(), "{warnings:?}");
         }
     }
 

@@ -352,8 +352,8 @@ impl<W: MotionObserver> EventDriven<W> {
             }
             let event = self.next_event(motion, inputs);
             let part = event.unwrap_or(1.0);
-            if let Some(contact) = self.series.impossible_friction(part) {
-                return Err(StepFailure::ImpossibleFriction { contact });
+            if let Some(failure) = self.series.impossible_friction(part) {
+                return Err(failure.later(h - left));
             }
             if self.dynamics.law.is_reduced() {
                 self.count_broken(motion, inputs, part);

@@ -37,8 +37,8 @@ use super::reduced::{MOST_PLACES, MOST_STATES, ReducedLaws};
 use super::roots;
 use super::waves::Waves;
 use crate::contact::{ContactState, Friction};
-use crate::integrator::Inputs;
 use crate::integrator::dynamics::Dynamics;
+use crate::integrator::{Inputs, StepFailure};
 use crate::model::{Contact, Damping, Direction};
 
 /// The highest power of the displacements.
@@ -284,23 +284,36 @@ impl Series {
         }
     }
 
-    /// The first contact whose µ_k becomes negative, or whose µ_s falls below its µ_k, within this part of the span.
-    pub(super) fn impossible_friction(&self, part: f64) -> Option<usize> {
+    /// The failure of the first contact whose µ_k becomes negative, or whose µ_s falls below its µ_k, within this part of
+    /// the span; its time is that since the beginning of the series.
+    pub(super) fn impossible_friction(&self, part: f64) -> Option<StepFailure> {
         /// Beyond the rounding of a sine that just reaches zero.
         const NOTHING: f64 = 1e-12;
         let falls = |powers: &Polynomial| {
-            roots::first_negative(powers, [0.0; 3]).is_some_and(|time| time < part)
+            roots::first_negative(powers, [0.0; 3]).filter(|time| *time < part)
         };
-        let is_impossible = |change: &&FrictionChange| {
+        let failure = |change: &FrictionChange| {
+            let contact = change.contact;
             let [mut kinetic, mut above] = change.powers;
             for (above, kinetic) in above.iter_mut().zip(&kinetic) {
                 *above -= kinetic;
             }
             kinetic[0] += NOTHING;
             above[0] += NOTHING;
-            falls(&kinetic) || falls(&above)
+            let negative = falls(&kinetic).map(|time| (time, None));
+            let weak = falls(&above).map(|time| (time, Some(value(&kinetic, time))));
+            let first = negative.into_iter().chain(weak).min_by(|a, b| a.0.total_cmp(&b.0));
+            first.map(|(time, coefficient)| {
+                let after = time * self.span;
+                match coefficient {
+                    None => StepFailure::NegativeFriction { contact, after },
+                    Some(coefficient) => {
+                        StepFailure::WeakStaticFriction { contact, after, coefficient }
+                    }
+                }
+            })
         };
-        self.friction_changes.iter().find(is_impossible).map(|change| change.contact)
+        self.friction_changes.iter().find_map(failure)
     }
 
     /// `true` if a friction coefficient of the contact changes over the span.

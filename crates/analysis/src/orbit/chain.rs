@@ -2,12 +2,16 @@
 //!
 //! Segment k begins in the state y_k, just after an instant at which contacts changed their states, keeps its contact
 //! states for the time τ_k, and ends where h_k(y) = 0: at the next such instant or, in a driven motion, once in a
-//! period where the first sine has its phase of time 0. R_k is the linear map across that instant. With
-//! y_k⁻ = exp(A_k τ_k) y_k the unknowns (x_k, ẋ_k) and τ_k satisfy
+//! period where the first sine has its phase of time 0. R_k is the map across that instant, linear or, where a sine
+//! drives friction, linearised about the motion. With y_k⁻, the state that y_k reaches after τ_k, the unknowns
+//! (x_k, ẋ_k) and τ_k satisfy
 //!
 //! ```text
 //! y_{k+1} = R_k y_k⁻,   h_k y_k⁻ = 0,   y_m = y_0.
 //! ```
+//!
+//! y_k⁻ = Φ_k y_k with the fundamental matrix Φ_k of the segment ([`Flow::propagator`]): exp(A_k τ_k), unless a sine
+//! drives friction.
 //!
 //! The linear equations of Newton's method are condensed to the changes of (x_0, ẋ_0): each τ_k follows from its own
 //! h_k, whose rate along the motion must not be zero, and each y_{k+1} from y_k. A motion without a drive begins at an

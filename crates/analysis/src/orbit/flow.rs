@@ -7,6 +7,7 @@
 //! linearisations of all these at a state.
 
 use super::field::Field;
+use super::signals::check_signals;
 use amontons::Error;
 use amontons::contact::{ContactState, Friction};
 use amontons::integrator::{
@@ -101,6 +102,7 @@ impl Flow {
     /// does not support the scene.
     pub fn of(simulation: &mut Simulation) -> Result<Self, Error> {
         let scene = simulation.scene();
+        check_method(scene)?;
         check_signals(scene, simulation.time())?;
         let step = scene.step;
         let time = simulation.time();
@@ -264,7 +266,9 @@ impl Flow {
             steps += 1;
             let end = (steps as f64 * self.step).min(duration);
             let inputs = self.inputs(t + done, end - done);
-            self.integrator.advance(&mut motion, &inputs, end - done, 1)?;
+            self.integrator
+                .advance(&mut motion, &inputs, end - done, 1)
+                .map_err(|failure| failure.later(t + done))?;
             let new = self.integrator.take_record().into_iter();
             records.extend(new.map(|record| EventRecord { time: record.time + done, ..record }));
             done = end;
@@ -307,26 +311,6 @@ pub fn check_method(scene: &Scene) -> Result<(), Error> {
     Err(Error::scene(
         "periodic motions are followed in event-driven motion only; use --integrator event-driven",
     ))
-}
-
-/// Refuses signals after which the drive is neither constant nor a sum of sines.
-fn check_signals(scene: &Scene, time: f64) -> Result<(), Error> {
-    check_method(scene)?;
-    for signal in scene.signals.iter() {
-        let is_over = signal.shape.constant_until(time, 0.0) == f64::INFINITY;
-        let is_endless_sine = matches!(
-            &signal.shape,
-            Shape::Sine(Sine { start, end: None, .. }) if *start <= time
-        );
-        if !is_over && !is_endless_sine {
-            return Err(Error::scene(format!(
-                "the signal of {} still changes at {time} s, and not as a sine without an end: such a drive does not \
-                 repeat itself",
-                signal.input
-            )));
-        }
-    }
-    Ok(())
 }
 
 /// Puts changes of contact states at one instant together.

@@ -14,6 +14,7 @@
 //! | `branch` | a branch of periodic motions over a parameter, its special points and ends |
 //! | `corrector` | one point of a branch from another, by pseudo-arclength |
 //! | `follow` | a branch from point to point: special points, changes of the sequence of events |
+//! | `signals` | the signals under which motions are periodic |
 //! | `search` | from a motion that nearly comes back to a periodic one |
 //!
 //! An orbit begins as a run of the event-driven integrator over one period, which finds the sequence of events. Newton's
@@ -33,6 +34,7 @@ mod follow;
 mod matrix;
 mod multipliers;
 mod search;
+mod signals;
 
 pub use branch::{Branch, BranchEnd, BranchPoint, Continued, FlowAt, SpecialKind, SpecialPoint};
 pub use chain::{Chain, Linear, Segment, Unsolved};
@@ -42,6 +44,7 @@ pub use flow::{Flow, Instant, Stage, check_method};
 pub use follow::branch;
 pub use multipliers::{Multipliers, multipliers};
 pub use search::{NoOrbit, Start, search};
+pub use signals::check_signals;
 
 use crate::assign::assign;
 use amontons::Error;
@@ -193,13 +196,19 @@ impl OrbitStart {
         }
         let size =
             ranges.iter().fold(0.0, |size: f64, [least, most]| size.max(0.5 * (most - least)));
+        let off = self.distance(simulation.motion(), size);
+        Ok((off, off <= check::SAME))
+    }
+
+    /// The difference of a motion from its beginning, in parts of the motion's size: the largest half range of a
+    /// displacement, m.
+    #[must_use]
+    pub fn distance(&self, motion: &Motion, size: f64) -> f64 {
         let difference = |a: &[f64], b: &[f64], unit: f64| {
             a.iter().zip(b).map(|(a, b)| (a - b).abs() / unit).fold(0.0, f64::max)
         };
-        let place = difference(simulation.displacement(), &self.displacement, size);
-        let speed = difference(simulation.velocity(), &self.velocity, size * TAU / self.period);
-        let off = place.max(speed);
-        Ok((off, off <= check::SAME))
+        let place = difference(&motion.displacement, &self.displacement, size);
+        place.max(difference(&motion.velocity, &self.velocity, size * TAU / self.period))
     }
 
     fn initial_values(&self, scene: &Scene) -> Vec<(String, f64)> {

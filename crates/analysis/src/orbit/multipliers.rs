@@ -1,9 +1,10 @@
 //! Floquet multipliers of a periodic motion: the eigenvalues of its monodromy matrix.
 //!
 //! The monodromy matrix maps small changes of the state (x, ẋ) at one instant to those one period later. It is the
-//! product of exp(A_k τ_k) and the saltation matrices of all segments. Where contacts hold directions, changes are lost:
-//! the matrix has the rank of the segment in which most are held, and as many multipliers are exactly zero as are held
-//! there. The others are eigenvalues of the matrix in the space that this segment leaves.
+//! product of the fundamental matrices (exp(A_k τ_k), unless a sine drives friction) and the saltation matrices of all
+//! segments. Where contacts hold directions, changes are lost: the matrix has the rank of the segment in which most are
+//! held, and as many multipliers are exactly zero as are held there. The others are eigenvalues of the matrix in the
+//! space that this segment leaves.
 
 use super::chain::{Chain, Linear, Segment, Unsolved, is_tangential};
 use super::flow::{Flow, Stage};

@@ -16,6 +16,8 @@ use std::borrow::Cow;
 const MOST_SEQUENCES: usize = 24;
 /// Most events of one period.
 const MOST_EVENTS: usize = 2000;
+/// Most periods of the drive in one of the motion, and the other way round.
+const MOST_PERIODS: u32 = 64;
 /// A return may come this much sooner or later than expected, in parts of the period.
 const EARLY: f64 = 0.75;
 const LATE: f64 = 1.25;
@@ -73,6 +75,15 @@ impl From<StepFailure> for NoOrbit {
 }
 
 impl NoOrbit {
+    /// The motion at which Newton's method ended, if that is the reason.
+    #[must_use]
+    pub fn best(self) -> Option<Box<OrbitStart>> {
+        match self {
+            Self::NotConverged { best, .. } => best,
+            _ => None,
+        }
+    }
+
     /// The reason in words, with the names that things have in the scene of the simulation.
     #[must_use]
     pub fn words(&self, simulation: &Simulation) -> String {
@@ -129,8 +140,13 @@ pub fn search(
     goes_on: &dyn Fn() -> bool,
 ) -> Result<Option<(Orbit, Chain)>, NoOrbit> {
     let mut start = start.clone();
-    if flow.is_driven() && !start.period.is_some_and(|period| flow.returns_after(period)) {
-        return Err(NoOrbit::NoCommonPeriod);
+    if flow.is_driven() {
+        // The motion may come back sooner than a sine that it does not feel.
+        let multiples = (1..=MOST_PERIODS).map(f64::from);
+        let period = start.period.and_then(|period| {
+            multiples.map(|n| n * period).find(|period| flow.returns_after(*period))
+        });
+        start.period = Some(period.ok_or(NoOrbit::NoCommonPeriod)?);
     }
     let mut best = Best { residual: f64::INFINITY, grazing: None, chain: None };
     let mut tried = 0;
@@ -215,12 +231,10 @@ fn begun_with_drive<'a>(
 
 /// The shortest period under a drive after which a motion repeats itself, if that is a part of the chain's.
 fn shorter_drive(chain: &Chain, flow: &mut Flow) -> Result<Option<f64>, StepFailure> {
-    /// Most periods of the drive in one of the motion.
-    const MOST: u32 = 64;
     if !flow.is_driven() {
         return Ok(None);
     }
-    for parts in (2..=MOST).rev() {
+    for parts in (2..=MOST_PERIODS).rev() {
         let period = chain.period() / f64::from(parts);
         if !flow.returns_after(period) {
             continue;

@@ -1,9 +1,9 @@
 //! Branches of periodic motions over a parameter, from known motions, with the branch of uniform sliding.
 
 use super::orbit::{From, solved};
-use super::{Journal, ObservationSettings, Watch};
+use super::{Journal, ObservationSettings, Watch, drive};
 use crate::assign::{assign, value_of};
-use crate::orbit::{Branch, Continued, Flow, FlowAt, branch};
+use crate::orbit::{Branch, Continued, Flow, FlowAt, branch, check_signals};
 use crate::stability::candidates::{spread, stable_ranges, uniform_sliding};
 use crate::stability::locus::locus;
 use crate::stability::{Linearised, linearity_limit, modes};
@@ -76,6 +76,7 @@ pub fn branches(
     watch: Watch<'_>,
 ) -> Result<Option<Branches>, Error> {
     let BranchQuestion { name, range, starts, most_points } = question;
+    let scene = &drive::without_silent_sines(scene, Some(name));
     let scene_at = |value: f64| -> Result<Scene, Error> {
         let mut scene = scene.clone();
         assign(&mut scene, name, value)?;
@@ -84,8 +85,10 @@ pub fn branches(
     for value in range {
         scene_at(*value)?.check()?;
     }
-    let flow_at: &FlowAt<'_> = &|value| Flow::of(&mut Simulation::new(scene_at(value)?, 0.0)?);
     let here = value_of(scene, name)?.clamp(range[0], range[1]);
+    // Each branch would be refused for it behind its first motion.
+    check_signals(&scene_at(here)?, 0.0)?;
+    let flow_at: &FlowAt<'_> = &|value| Flow::of(&mut Simulation::new(scene_at(value)?, 0.0)?);
     let mut found = Vec::new();
     for (place, (label, from)) in starts.iter().enumerate() {
         let done = |part: f64| (watch.progress)((place as f64 + part) / starts.len() as f64);

@@ -1,7 +1,7 @@
 //! This module analyses the signals of a scene in the long run: the time from which on they only repeat themselves,
 //! and their period.
 
-use amontons::scene::{Scene, Shape, Sine};
+use amontons::scene::{Constant, Scene, Shape, Signal, Sine};
 use amontons::simulation::Simulation;
 
 /// Frequencies are multiples of a common one if they meet them to this part: some roundings of the numbers that a person
@@ -31,15 +31,30 @@ pub(super) fn period(simulation: &Simulation) -> Option<f64> {
     let mut common: Option<f64> = None;
     for signal in simulation.scene().signals.iter() {
         match &signal.shape {
+            shape if shape.constant_until(time, 0.0) == f64::INFINITY => {}
             Shape::Sine(Sine { frequency, start, end: None, .. }) if start <= &time => {
                 let own = 1.0 / frequency;
                 common = Some(common.map_or(Some(own), |period| common_period(period, own))?);
             }
-            shape if shape.constant_until(time, 0.0) == f64::INFINITY => {}
             _ => return None,
         }
     }
     common
+}
+
+/// The scene with a constant zero in place of each sine of amplitude 0, so that its phase is no part of the state of a
+/// motion. The sine whose value the parameter `name` is stays a sine: other values of the parameter may give it an
+/// amplitude.
+pub(super) fn without_silent_sines(scene: &Scene, name: Option<&str>) -> Scene {
+    let quiet = |(place, signal): (usize, &Signal)| {
+        let own = format!("signal[{}].", place + 1);
+        let is_silent = matches!(signal.shape, Shape::Sine(Sine { amplitude: 0.0, .. }));
+        if !is_silent || name.is_some_and(|name| name.starts_with(&own)) {
+            return signal.clone();
+        }
+        Signal { shape: Shape::Constant(Constant { value: 0.0 }), ..signal.clone() }
+    };
+    Scene { signals: scene.signals.iter().enumerate().map(quiet).collect(), ..scene.clone() }
 }
 
 /// `true` if the drive of a simulation repeats itself from each window (s) to the next: it is constant, or has a
@@ -73,6 +88,28 @@ fn common_period(a: f64, b: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use amontons::scene::{builtin, parse};
+
+    #[test]
+    fn a_sine_without_amplitude_takes_no_part_in_the_drive() {
+        let text = builtin("den_hartog").unwrap().text;
+        let sine =
+            "[[signal]]\ninput = \"mass.block.fx\"\nsine = { amplitude = 0.0, frequency = 0.1 }";
+        let mut scene = parse("silent", &format!("{text}\n{sine}")).unwrap();
+        let of = |scene: &Scene| {
+            let simulation = Simulation::new(scene.clone(), 0.0).unwrap();
+            (period(&simulation), is_repeated(&simulation, 1.0))
+        };
+        assert_eq!(of(&scene), (Some(0.4), true));
+        let silenced = |scene: &Scene, name| {
+            matches!(without_silent_sines(scene, name).signals[1].shape, Shape::Constant(_))
+        };
+        assert!(silenced(&scene, None) && silenced(&scene, Some("signal[1].amplitude")));
+        assert!(!silenced(&scene, Some("signal[2].amplitude")));
+        crate::assign::assign(&mut scene, "signal[1].amplitude", 0.0).unwrap();
+        // Nothing drives it at all.
+        assert_eq!(of(&scene), (None, true));
+    }
 
     #[test]
     fn two_periods_have_the_common_one_of_their_ratio() {

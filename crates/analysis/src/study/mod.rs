@@ -20,6 +20,7 @@
 //! | `push` | a small push out of an equilibrium |
 //! | `limit_cycle` | endings of a scene over the values of a parameter, and thresholds of contact states |
 //! | `portrait` | phase portraits of a settled motion |
+//! | `strobe` | states of a run at the ends of its drive's periods |
 //! | `transient` | growth and decay of one run, band by band, beside eigenvalues |
 //! | `attractor` | comparison of endings |
 //! | `initial` | runs from other initial values |
@@ -56,6 +57,7 @@ mod push;
 mod recurrence;
 mod separation;
 mod settling;
+mod strobe;
 pub mod transient;
 mod visit;
 mod windows;

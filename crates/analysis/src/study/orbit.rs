@@ -4,8 +4,9 @@ use super::initial::starting_from;
 use super::long_term::{Kind, LongTermMotion};
 use super::observation::ObservationSettings;
 use super::perturbation::{Direction, perturbation};
+use super::recurrence::CLOSED;
 use super::settling::run_to_steady_state;
-use super::{Journal, Push, Watch, drive};
+use super::{Journal, Push, Watch, drive, strobe};
 use crate::orbit::{
     Chain, Flow, NoOrbit, Orbit, OrbitEnergy, OrbitStart, Start, check_method, search,
 };
@@ -77,6 +78,7 @@ pub fn orbit(
 ) -> Result<Option<FoundOrbit>, Unfound> {
     let part = |done: f64| (watch.progress)(SETTLED * done);
     let inner = Watch { progress: &part, ..watch };
+    let scene = &drive::without_silent_sines(scene, None);
     let found = solved(scene, observation, from, journal, inner)?;
     Ok(found.map(|(found, _)| found))
 }
@@ -101,7 +103,10 @@ pub(super) fn solved(
     let Some(Begun { mut simulation, start, ending, boundary }) = begun else { return Ok(None) };
     let mut flow = Flow::of(&mut simulation)?;
     let found = search(&mut flow, &start, &|| !watch.is_over());
-    let found = found.map_err(|why| unfound(&simulation, why))?;
+    let found = match ending.as_ref().filter(|ending| period_of(ending).is_none()) {
+        Some(ending) => where_the_run_is(&simulation, ending, found)?,
+        None => found.map_err(|why| unfound(&simulation, why))?,
+    };
     let Some((mut orbit, chain)) = found else { return Ok(None) };
     if scene.effects.energy {
         orbit.energy = OrbitEnergy::of(&orbit, &mut simulation)?;
@@ -118,7 +123,8 @@ struct Begun {
 }
 
 impl Begun {
-    /// What the scene settles into. `None` if the watch ended it.
+    /// What the scene settles into. Where its period is not seen, it is tried as a multiple of the drive's. `None` if the
+    /// watch ended it.
     fn by_run(
         scene: &Scene,
         observation: &ObservationSettings,
@@ -130,11 +136,22 @@ impl Begun {
         }
         let settled = run_to_steady_state(&mut simulation, observation, &|| watch.is_over())?;
         let Some(ending) = settled else { return Ok(None) };
-        let period = period_of(&ending).ok_or_else(|| no_period(scene, &ending))?;
+        let drive = drive::period(&simulation);
         // An orbit under a drive begins where the drive does.
-        if let Some(drive) = drive::period(&simulation) {
+        if let Some(drive) = drive {
             simulation.advance_to((simulation.time() / drive).ceil() * drive)?;
         }
+        let period = match (period_of(&ending), drive) {
+            (Some(period), Some(drive)) => multiple_of_drive(period, drive),
+            (Some(period), None) => period,
+            (None, Some(drive)) if may_follow(&ending) && drive <= observation.longest => {
+                let longest = observation.longest;
+                let period = strobe::nearest_return(&mut simulation, drive, longest, watch)?;
+                let Some(period) = period else { return Ok(None) };
+                period
+            }
+            _ => return Err(no_period(scene, &ending, None)),
+        };
         let motion = simulation.motion().clone();
         let start = Start { motion, time: 0.0, period: Some(period), longest: period };
         Ok(Some(Self { simulation, start, ending: Some(ending), boundary: None }))
@@ -219,18 +236,68 @@ fn period_of(ending: &LongTermMotion) -> Option<f64> {
     ending.period.filter(|_| ending.kind == Kind::Periodic)
 }
 
-fn no_period(scene: &Scene, ending: &LongTermMotion) -> Error {
+/// The multiple of the drive's period (s) that an observed period (s) is but for the accuracy of the observation; the
+/// observed period where it is none, as of a motion that does not feel the drive.
+fn multiple_of_drive(period: f64, drive: f64) -> f64 {
+    let multiple = drive * (period / drive).round();
+    if (multiple / period - 1.0).abs() <= CLOSED { multiple } else { period }
+}
+
+/// `true` if a motion whose period was not seen may still follow its drive.
+fn may_follow(ending: &LongTermMotion) -> bool {
+    matches!(ending.kind, Kind::Undecided | Kind::Unsettled) || ending.follows
+}
+
+/// The orbit that was looked for with a multiple of the drive's period, if it is the one that the run has come to.
+#[allow(clippy::type_complexity)]
+fn where_the_run_is(
+    simulation: &Simulation,
+    ending: &LongTermMotion,
+    found: Result<Option<(Orbit, Chain)>, NoOrbit>,
+) -> Result<Option<(Orbit, Chain)>, Unfound> {
+    let refused = |why: &str| no_period(simulation.scene(), ending, Some(why));
+    let (orbit, chain) = match found {
+        Ok(Some(found)) => found,
+        Ok(None) => return Ok(None),
+        Err(why) => {
+            let tried = format!("with whole periods of its drive, {}", why.words(simulation));
+            let error = refused(&tried);
+            return Err(Unfound { error, best: why.best() });
+        }
+    };
+    let size = orbit.extents.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let off = orbit.start().distance(simulation.motion(), size);
+    let but = if off > CLOSED {
+        format!("the run is {off:.1e} of its size away from it")
+    } else if orbit.is_stable() == Some(false) {
+        "it is unstable, so the run does not stay on it".to_owned()
+    } else {
+        return Ok(Some((orbit, chain)));
+    };
+    let period = orbit.period;
+    let why =
+        format!("Newton's method finds a periodic motion of {period:.6e} s near it, but {but}");
+    Err(refused(&why).into())
+}
+
+/// The error for a motion without a period; `tried` is the reason why a multiple of the drive's period is none either.
+fn no_period(scene: &Scene, ending: &LongTermMotion, tried: Option<&str>) -> Error {
     let name = &scene.name;
     let what = match ending.kind {
         Kind::Equilibrium => "it comes to rest",
         Kind::Unbounded => "it grows without bound",
-        Kind::Unsettled => "it has not settled; a larger --longest may show what it becomes",
+        Kind::Unsettled => {
+            "it has not settled; a larger --longest or --window may show what it becomes"
+        }
         Kind::QuasiPeriodic => "it is quasi-periodic: it never comes back",
         Kind::Irregular => "it is irregular: it never comes back",
-        Kind::Periodic | Kind::Undecided => "its period is not known",
+        Kind::Periodic | Kind::Undecided => {
+            "its period is not known; a longer --window, or a larger --longest, may show it"
+        }
     };
+    let tried = tried.map_or_else(String::new, |why| format!("; {why}"));
     Error::analysis(format!(
-        "the motion of {name} from its start is not periodic: {what}. Other starts: --set initial.NAME=VALUE, a known orbit \
+        "the motion of {name} from its start is not periodic: {what}{tried}. Other starts: --set initial.NAME=VALUE, a known orbit \
          with --from, the boundary between two motions with --between, or a mode with --mode"
     ))
 }
@@ -241,9 +308,35 @@ fn unfound(simulation: &Simulation, why: NoOrbit) -> Unfound {
         simulation.scene().name,
         why.words(simulation)
     ));
-    let best = match why {
-        NoOrbit::NotConverged { best, .. } => best,
-        _ => None,
-    };
-    Unfound { error, best }
+    Unfound { error, best: why.best() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::ObservationRequest;
+    use amontons::scene::builtin;
+
+    /// A run may pass near an unstable orbit, or near one that it has not come to.
+    #[test]
+    fn an_orbit_of_the_drive_is_that_of_the_run_only_if_it_is_there_and_stays() {
+        let mut scene = builtin("den_hartog").unwrap().scene();
+        let observation = ObservationSettings::paced(&mut scene, &ObservationRequest::default());
+        let begun = Begun::by_run(&scene, &observation.unwrap(), Watch::IDLE).unwrap().unwrap();
+        let Begun { mut simulation, start, ending, .. } = begun;
+        let ending = ending.unwrap();
+        let found = search(&mut Flow::of(&mut simulation).unwrap(), &start, &|| true);
+        let (mut orbit, chain) = found.unwrap().unwrap();
+        let mut refusal = |orbit: &Orbit, later: f64| {
+            simulation.advance_to(simulation.time() + later).unwrap();
+            let found = Ok(Some((orbit.clone(), chain.clone())));
+            let refused = where_the_run_is(&simulation, &ending, found).err();
+            refused.map_or_else(String::new, |unfound| unfound.error.to_string())
+        };
+        assert_eq!(refusal(&orbit, 0.0), "");
+        assert!(refusal(&orbit, 0.1).contains("of its size away from it"));
+        assert!(refusal(&orbit, 0.3).is_empty());
+        orbit.multipliers[0] = [1.5, 0.0];
+        assert!(refusal(&orbit, 0.0).contains("it is unstable"));
+    }
 }

@@ -386,7 +386,11 @@ impl PeriodFinder<'_> {
                     continue;
                 }
                 // What has not come back after a part of the period delays the passage there by a little.
-                let late = self.origin.passed(&motion) / self.origin.squared_speed();
+                // A state at rest has no such time.
+                let late = match self.origin.squared_speed() {
+                    0.0 => 0.0,
+                    square => self.origin.passed(&motion) / square,
+                };
                 let whole = self.bring(&mut Simulation::resume(before)?, near.after - late)?;
                 let nearer = self.distance_over([self.begin, &whole], whole.after, most)?;
                 if nearer <= most {
@@ -538,7 +542,8 @@ pub(super) fn may_wobble(simulation: &Simulation, frequency: f64, distance: f64)
 }
 
 /// Moves on over two periods of the strongest line to find how large the motion is, then to where it is nearly as
-/// fast as it becomes, from which a return is seen best.
+/// fast as it becomes, from which a return is seen best. That is looked for over a window: the
+/// strongest line may have a shorter period than the motion, which may rest for longer than two of these.
 pub(super) fn begin_fast(
     simulation: &mut Simulation,
     interval: f64,
@@ -569,7 +574,7 @@ pub(super) fn begin_fast(
         [displacements, velocities].map(|halves| euclidean_norm(halves.iter().copied()));
     let largest = (max_norm(displacements) / displacement).min(max_norm(velocities) / velocity);
     let scale = Scale { displacement, velocity, largest };
-    for _ in 0..rows as usize {
+    for _ in 0..window {
         if speed(simulation) >= 0.8 * fastest {
             break;
         }

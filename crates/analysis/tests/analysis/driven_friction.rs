@@ -2,9 +2,13 @@
 
 use crate::orbits::{after, follow, has_multipliers_of_differences, near, orbit, solved};
 use amontons::contact::ContactState;
-use amontons::integrator::Event;
+use amontons::integrator::{Event, StepFailure};
 use amontons::scene::{Scene, parse};
+use amontons::simulation::Simulation;
 use amontons_analysis::orbit::{BranchEnd, Flow};
+use amontons_analysis::study::{
+    self, FoundOrbit, From, Journal, ObservationRequest, ObservationSettings, Unfound, Watch,
+};
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
@@ -98,24 +102,97 @@ fn the_derivative_of_the_flow_under_driven_friction_is_that_of_differences() {
     }
 }
 
-/// A force moves the block to and fro on resting ground; it sticks at both ends, and lets go at the limit µ_s(t) N.
-#[test]
-fn a_block_that_sticks_at_a_limit_that_sines_move_has_multipliers_of_differences() {
+/// A block on resting ground under a force and friction coefficients that sines drive, with the frequency of the force in Hz;
+/// followed by `more`.
+fn driven_block(frequency: f64, more: &str) -> Scene {
     let drives = [
-        sine("mass.block.fx", 12.0, 0.7),
-        sine("friction.coefficient", 0.1, 1.4),
-        sine("friction.static", 0.15, 0.7),
+        sine("mass.block.fx", 12.0, frequency),
+        sine("friction.coefficient", 0.1, 2.0 * frequency),
+        sine("friction.static", 0.15, frequency),
     ];
     let friction = "[friction]\ncoefficient = 0.3\nstatic = 0.6\n";
-    let scene = block(0.0, &format!("{friction}{}", drives.concat()));
+    block(0.0, &format!("{friction}{}{more}", drives.concat()))
+}
+
+/// It sticks at both ends of its way, and lets go at the limit µ_s(t) N.
+#[test]
+fn a_block_that_sticks_at_a_limit_that_sines_move_has_multipliers_of_differences() {
     let period = 1.0 / 0.7;
     let (orbit, chain, mut flow) =
-        solved(&mut after(scene, 40.0 * period), Some(period), 1.0).unwrap();
+        solved(&mut after(driven_block(0.7, ""), 40.0 * period), Some(period), 1.0).unwrap();
     let has = |wanted: fn(&Event) -> bool| {
         orbit.events.iter().flat_map(|event| &event.events).any(|(_, event)| wanted(event))
     };
     assert!(has(|event| *event == Event::Stop) && has(|event| matches!(event, Event::Slip(_))));
     has_multipliers_of_differences(&orbit, &chain, &mut flow, &[0, 2]);
+}
+
+/// The orbit that a run of a scene leads to, observed in windows of this length (s), for this time (s) at most.
+fn of_run(mut scene: Scene, window: f64, longest: Option<f64>) -> Result<FoundOrbit, Unfound> {
+    let window = Some(window);
+    let request = ObservationRequest { window, longest, ..ObservationRequest::default() };
+    let observation = ObservationSettings::paced(&mut scene, &request).unwrap();
+    let found = study::orbit(&scene, &observation, &From::Run, &Journal::forgotten(), Watch::IDLE);
+    found.map(Option::unwrap)
+}
+
+/// Windows of 1 s hold no period, or just one, and begin where the block sticks. The search for a period then divided by the
+/// speed of a block at rest, or ended without a period.
+#[test]
+fn a_driven_motion_whose_windows_do_not_show_its_period_is_found_all_the_same() {
+    for frequency in [0.5, 0.7, 0.75, 1.0] {
+        let found = of_run(driven_block(frequency, ""), 1.0, None).unwrap();
+        let orbit = found.orbit;
+        near(orbit.period, 1.0 / frequency, 1e-12);
+        assert_eq!(orbit.is_stable(), Some(true));
+        let run = after(driven_block(frequency, ""), 80.0 / frequency);
+        assert!((run.displacement()[0] - orbit.displacement[0]).abs() < 1e-12, "{frequency}");
+        assert!((run.velocity()[0] - orbit.velocity[0]).abs() < 1e-11, "{frequency}");
+    }
+}
+
+/// Newton's method finds the periodic motion that the run will come to; after two or three windows it is not there yet.
+#[test]
+fn a_run_that_has_not_come_to_a_periodic_motion_has_none() {
+    let unfound = of_run(driven_block(0.5, ""), 1.0, Some(3.0)).unwrap_err();
+    let message = unfound.error.to_string();
+    for part in ["has not settled", "--longest", "motion of 2.000000e0 s near it", "away from it"] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+}
+
+/// A sine of 0.1 Hz without amplitude made the period 10 s, with ten times the events. On a branch over its amplitude the
+/// period is 10 s from the beginning on.
+#[test]
+fn a_sine_without_amplitude_has_no_part_in_the_period_of_an_orbit() {
+    let scene = driven_block(1.0, &sine("mass.block.fx", 0.0, 0.1));
+    let plain = of_run(driven_block(1.0, ""), 10.0, None).unwrap().orbit;
+    let found = of_run(scene.clone(), 10.0, None).unwrap().orbit;
+    near(found.period, 1.0, 1e-12);
+    assert_eq!(found.events.len(), plain.events.len());
+    near(found.extents[0], plain.extents[0], 1e-12);
+    let (_, chain, _) = solved(&mut after(scene.clone(), 40.0), Some(1.0), 1.0).unwrap();
+    let branch = follow(&scene, "signal[4].amplitude", [0.0, 0.5], &chain);
+    assert_eq!(branch.ends, [BranchEnd::Range; 2]);
+    for point in [branch.points.first(), branch.points.last()] {
+        near(point.unwrap().orbit.period, 10.0, 1e-12);
+    }
+}
+
+/// The instant at which a run of a flow fails counts from the simulation's time 0.
+#[test]
+fn a_run_of_a_flow_tells_when_a_sine_takes_static_friction_below_kinetic_friction() {
+    let drive = sine("friction.coefficient", 0.5, 1.25);
+    let friction = "[friction]\ncoefficient = 0.3\nstatic = 0.6\n";
+    let mut simulation = Simulation::new(block(0.0, &format!("{friction}{drive}")), 0.0).unwrap();
+    let mut flow = Flow::of(&mut simulation).unwrap();
+    let start = simulation.motion().clone();
+    let failure = flow.run(&start, 0.0, 1.0, |_| true).unwrap_err();
+    let StepFailure::WeakStaticFriction { after, coefficient, .. } = failure else {
+        panic!("{failure:?}")
+    };
+    near(after, 0.6_f64.asin() / (TAU * 1.25), 1e-9);
+    near(coefficient, 0.6, 1e-11);
 }
 
 /// A force lifts the block off, and it lands with another friction coefficient. A strut aslant joins both directions, so

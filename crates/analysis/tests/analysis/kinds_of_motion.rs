@@ -5,8 +5,8 @@ use amontons::scene::{Scene, parse};
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::perturbation::{Direction, perturbation};
 use amontons_analysis::study::{
-    Journal, Kind, LimitCycles, LongTermMotion, ObservationRequest, ObservationSettings, Outcome,
-    Question, Watch, limit_cycles,
+    From, Journal, Kind, LimitCycles, LongTermMotion, ObservationRequest, ObservationSettings,
+    Outcome, Question, Watch, limit_cycles, orbit,
 };
 use std::f64::consts::TAU;
 
@@ -165,6 +165,11 @@ fn a_motion_that_comes_back_after_several_periods_of_its_drive_is_periodic() {
             assert_eq!(ending.kind, Kind::Periodic, "{friction} {window:?}: {ending:?}");
             assert_near(ending.period.unwrap(), periods / 0.9, 1e-9);
         }
+        // While the motion still converges, an observed period is known to some 1e-8.
+        let request = ObservationRequest { window: Some(8.0), ..ObservationRequest::default() };
+        let observation = ObservationSettings::of(&scene, &request).unwrap();
+        let found = orbit(&scene, &observation, &From::Run, &Journal::forgotten(), Watch::IDLE);
+        assert_near(found.unwrap().unwrap().orbit.period, periods / 0.9, 1e-12);
     }
 }
 

@@ -204,6 +204,39 @@ fn an_exported_orbit_comes_back_and_one_of_other_values_is_refused() {
     assert!(!here.join("no").exists());
 }
 
+/// Under a sine that begins at 5 s an orbit is found, but a run from 0 s is not on it, and no branch follows it. Both
+/// refusals tell the sine that is the same from 0 s on, and with it the run stays on the orbit.
+#[test]
+fn a_sine_that_begins_later_is_named_with_the_one_that_would_be_right() {
+    let folder = folder();
+    let here = folder.path();
+    let shown = amontons(here, &["scenes", "show", "den_hartog"]);
+    let scene = text(&shown.stdout);
+    let sine = "amplitude = 10.0, frequency = 2.5";
+    assert!(scene.contains(sine));
+    let with = |more: &str| scene.replace(sine, &format!("{sine}, {more}"));
+    std::fs::write(here.join("late.toml"), with("start = 5.3, phase = 0.2")).unwrap();
+    let found = amontons(here, &["study", "orbit", "late.toml", "-o", "known"]);
+    assert!(found.status.success(), "{}", text(&found.stderr));
+    let exact = ["--integrator", "event-driven", "--step", "1e-2", "--stop-time", "2"];
+    let run = |scene: &str| {
+        let from = ["simulate", scene, "--from", "known/orbit.json", "-o", "run.csv"];
+        amontons(here, &[&from[..], &exact].concat())
+    };
+    let named = "signal[1] on mass.block.fx is a sine that begins at 5.3 s";
+    let refused = run("late.toml");
+    assert_refused(&refused, 1, &["known/orbit.json", "the run begins at 0 s", named]);
+    let parameter = ["--parameter", "friction.coefficient=0.2:0.4"];
+    let branches = [&["study", "branches", "late.toml", "-o", "no"], &parameter[..]].concat();
+    assert_refused(&amontons(here, &branches), 3, &[named, "start = 0.0 and phase = "]);
+    let message = text(&refused.stderr);
+    let (_, right) = message.split_once("start = 0.0 and ").unwrap();
+    let (right, _) = right.split_once(" in its place").unwrap();
+    std::fs::write(here.join("right.toml"), with(right)).unwrap();
+    let on_orbit = run("right.toml");
+    assert!(on_orbit.status.success(), "{}", text(&on_orbit.stderr));
+}
+
 /// The quasi-static ways of the same scene are laid behind its branches; those of another scene, other values, another
 /// parameter or another output are refused.
 #[test]

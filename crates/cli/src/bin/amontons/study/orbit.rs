@@ -5,7 +5,7 @@ use super::folder::Folder;
 use super::{heading, interrupted, prepared, watched};
 use amontons::integrator::Event;
 use amontons::scene::Scene;
-use amontons_analysis::orbit::{Orbit, OrbitEnergy, OrbitEvent, OrbitStart};
+use amontons_analysis::orbit::{Orbit, OrbitEnergy, OrbitEvent, OrbitStart, check_signals};
 use amontons_analysis::output::AtomicFile;
 use amontons_analysis::study::perturbation::Direction;
 use amontons_analysis::study::{FoundOrbit, From, Unfound, initial_value, orbit};
@@ -143,9 +143,16 @@ pub fn begin(path: &Path, scene: &mut Scene) -> Result<(), amontons::Error> {
     orbit.give_start(scene)?;
     let (off, is_back) = orbit.comes_back(scene)?;
     if !is_back {
+        let reason = match check_signals(scene, 0.0) {
+            Err(signal) => format!(
+                "the orbit belongs to the drive as it is later, but the run begins at 0 s: {signal}"
+            ),
+            Ok(()) => "give the scene the values with which the orbit was found (`set` in the study.json beside it)"
+                .to_owned(),
+        };
         let why = format!(
             "this is no motion of {} as it is: a run from it is not back after {:e} s, but off by {off:.1e} of the \
-             motion's size; give the scene the values with which the orbit was found (`set` in the study.json beside it)",
+             motion's size; {reason}",
             scene.name, orbit.period
         );
         return Err(amontons::Error::file(path, &std::io::Error::other(why)));
