@@ -32,6 +32,8 @@ CARRIED_OUT = (0, 1, 2, 3, 4)
 INTERRUPTED = 130
 # As much of modelDescription.xml as may precede the end of its root element's first tag, bytes.
 BEGINNING = 1 << 20
+# Notes of the program that say that no library was run.
+NOT_RUN = ("nothing is run", "modelDescription.xml has no CoSimulation element")
 
 
 class Unmade(Exception):
@@ -51,6 +53,8 @@ class Check(NamedTuple):
     # Numbers of violations, defects and hints.
     numbers: tuple
     findings: list
+    # The library of the FMU was run.
+    is_run: bool
 
     def rules(self):
         """The rules that the FMU breaks, each with the number of its findings."""
@@ -76,7 +80,7 @@ def check(program, path, name, options, limit):
     begin = time.monotonic()
 
     def failed(failure, is_mistake=True):
-        return Check(name, tool, time.monotonic() - begin, failure, is_mistake, (0, 0, 0), [])
+        return Check(name, tool, time.monotonic() - begin, failure, is_mistake, (0, 0, 0), [], False)
 
     tool = generation_tool(path)
     command = [program, "--format", "json", *options, str(path)]
@@ -96,12 +100,17 @@ def check(program, path, name, options, limit):
         report = json.loads(done.stdout)
         numbers = tuple(report[kind + "s"] for kind in CLASSES)
         findings = [{key: finding[key] for key in ("class", "rule", "section", "since")} for finding in report["findings"]]
-    except (ValueError, KeyError, TypeError) as error:
+        # Of many findings of a rule the report lists the first, and counts the others.
+        for more in report["more"]:
+            listed = next(one for one in findings if (one["class"], one["rule"]) == (more["class"], more["rule"]))
+            findings += [listed] * more["count"]
+        is_run = "--no-run" not in options and not any(note.startswith(NOT_RUN) for note in report["notes"])
+    except (ValueError, KeyError, TypeError, StopIteration) as error:
         if done.returncode == 2:
             return failed(said or "cannot be checked", is_mistake=False)
         return failed(f"prints no report: {error!r}; {said}")
     failure = said if done.returncode == 2 else ""
-    return Check(name, tool, time.monotonic() - begin, failure, False, numbers, findings)
+    return Check(name, tool, time.monotonic() - begin, failure, False, numbers, findings, is_run)
 
 
 def table_of_fmus(checks):
@@ -136,9 +145,10 @@ def totals(checks):
     unchecked = sum(bool(made.failure) and not made.is_mistake for made in checks)
     mistakes = sum(made.is_mistake for made in checks)
     clean = sum(made.numbers[:2] == (0, 0) and not made.failure for made in checks)
+    idle = sum(not made.is_run and not made.failure for made in checks)
     return (
         f"{len(checks)} FMUs: {violating} with violations, {defective} with defects only, {clean} with neither; "
-        f"{unchecked} not checked in full; the program crashed or hung on {mistakes}."
+        f"{idle} without a run of the library; {unchecked} not checked in full; the program crashed or hung on {mistakes}."
     )
 
 

@@ -31,15 +31,18 @@ if name == "damaged.fmu":
     sys.exit(2)
 def finding(kind, rule, section=None, since=None):
     return {"class": kind, "rule": rule, "place": "x", "line": None, "message": "m", "section": section, "since": since}
-findings = []
+findings, more, notes = [], [], []
 if name == "broken.fmu":
     findings = [finding("violation", "a-rule", "2.2.7", "2.0.1")] * 2 + [finding("hint", "c-rule")]
+    more = [{"class": "violation", "rule": "a-rule", "count": 5}]
 if name == "defect.fmu":
     findings = [finding("defect", "b-rule")]
 numbers = {kind + "s": sum(f["class"] == kind for f in findings) for kind in ("violation", "defect", "hint")}
+if name == "clean.fmu":
+    notes = ["nothing is run: there is no library for this host"]
 if name == "options.fmu":
     findings = [finding("hint", option) for option in sys.argv[3:-1]]
-print(json.dumps({"file": sys.argv[-1], **numbers, "findings": findings, "notes": []}))
+print(json.dumps({"file": sys.argv[-1], **numbers, "findings": findings, "more": more, "notes": notes}))
 sys.exit(1 if numbers["violations"] else 3 if numbers["defects"] else 0)
 """
 
@@ -74,8 +77,8 @@ class Survey(unittest.TestCase):
         self.assertEqual(code, 0)
         rows = [line.split() for line in printed.splitlines()]
         self.assertIn(["broken.fmu", "Tool", "1", "2", "0", "1"], [row[:6] for row in rows])
-        self.assertIn(["violation", "a-rule", "2.2.7", "2.0.1", "2", "1"], rows)
-        self.assertIn("3 FMUs: 1 with violations, 1 with defects only, 1 with neither; 0 not checked in full", printed)
+        self.assertIn(["violation", "a-rule", "2.2.7", "2.0.1", "7", "1"], rows)
+        self.assertIn("3 FMUs: 1 with violations, 1 with defects only, 1 with neither; 1 without a run of the library; 0 not", printed)
         self.assertIn("below/clean.fmu", printed)
 
     def test_a_crash_a_panic_a_hang_and_chatter_are_mistakes_of_the_program(self):
