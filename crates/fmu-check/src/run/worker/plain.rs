@@ -1,8 +1,7 @@
 //! The run that every host makes.
 
 use super::experiment::fingerprint;
-use super::library::{Instance, Library};
-use super::plan::{Role, Variable};
+use super::library::Library;
 use super::{Ended, Subject};
 use crate::rules::Rule;
 
@@ -25,8 +24,6 @@ impl Subject<'_> {
         self.at("fmi2Reset");
         self.called("fmi2Reset", instance.reset())?;
         self.initialize(&instance)?;
-        // Not in the first run, with which others are compared: these make the same calls.
-        self.starts(&instance)?;
         self.steps(&instance, 0, self.plan.steps)?;
         self.at("fmi2FreeInstance");
         Ok(())
@@ -44,25 +41,5 @@ impl Subject<'_> {
                 self.journal.finding(rule, &message);
             }
         }
-    }
-
-    /// Compares variables with their start values after the initialization: before its end the standard allows hosts to
-    /// read outputs and states only. Inputs, parameters and constants are changed by hosts alone.
-    fn starts(&self, instance: &Instance<'_>) -> Result<(), Ended> {
-        let is_exact =
-            |variable: &&Variable| variable.role.keeps_value() || variable.role == Role::Constant;
-        let variables: Vec<_> = self.plan.variables.iter().filter(is_exact).cloned().collect();
-        let found = self.read(instance, &variables)?;
-        for (variable, found) in variables.iter().zip(found) {
-            let Some(start) = &variable.start else { continue };
-            if !start.agrees_with(&found) {
-                let name = &variable.name;
-                let message = format!(
-                    "{name} is {found} after initialization, but its start value is {start}"
-                );
-                self.journal.finding(Rule::StartDiffers, &message);
-            }
-        }
-        Ok(())
     }
 }

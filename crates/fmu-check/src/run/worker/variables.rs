@@ -85,13 +85,30 @@ impl Subject<'_> {
         const STEPS: u32 = 3;
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
-        self.read(&instance, &self.plan.variables)?;
+        let values = self.read(&instance, &self.plan.variables)?;
+        self.compare_starts(&values);
         for number in 0..self.plan.steps.min(STEPS) {
             self.step(&instance, self.time(number), self.plan.step)?;
             self.read(&instance, &self.plan.variables)?;
         }
         self.at("fmi2Terminate");
         self.called("fmi2Terminate", instance.terminate())
+    }
+
+    /// Compares the values of all variables after the initialization with their start values. Inputs, parameters and
+    /// constants are changed by hosts alone.
+    fn compare_starts(&self, values: &[Value]) {
+        for (variable, found) in self.plan.variables.iter().zip(values) {
+            let is_exact = variable.role.keeps_value() || variable.role == Role::Constant;
+            let Some(start) = variable.start.as_ref().filter(|_| is_exact) else { continue };
+            if !start.agrees_with(found) {
+                let name = &variable.name;
+                let message = format!(
+                    "{name} is {found} after initialization, but its start value is {start}"
+                );
+                self.journal.finding(Rule::StartDiffers, &message);
+            }
+        }
     }
 
     /// Sets variables of a group together; if that is refused, those of each half, down to single ones.
