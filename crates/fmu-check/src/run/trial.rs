@@ -33,6 +33,8 @@ pub(crate) enum Trial {
     States,
     /// Derivatives of outputs by inputs.
     Derivatives,
+    /// Derivatives of outputs in the direction of several inputs.
+    Directions,
     /// Derivatives of outputs by time.
     OutputDerivatives,
     /// Derivatives of inputs by time.

@@ -150,6 +150,10 @@ EXPORT component fmi2Instantiate(text name, int kind, text guid, text location, 
 #ifdef FAULT_undefined
     if (visible == 77) return (component)(size_t)defined_nowhere();
 #endif
+#ifdef ONCE
+    static int made_before;
+    if (made_before++) return NULL;
+#endif
 #ifdef FAULT_shared
     static instance only;
     instance *made = &only;

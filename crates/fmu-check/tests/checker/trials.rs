@@ -197,6 +197,13 @@ fn an_fmu_of_one_instance_a_process_is_tried_in_many_processes() {
     let (code, printed) = check(&fmu.pack(), &[]);
     assert_eq!((code, printed.lines().count()), (0, 1), "{printed}");
     assert!(printed.starts_with("note: canBeInstantiatedOnlyOncePerProcess"), "{printed}");
+    // With all that its flags promise, of which none needs a second instance.
+    let fmu = with_ability(
+        &["-DSTRICT", "-DONCE"],
+        &format!("{ABILITIES} canBeInstantiatedOnlyOncePerProcess=\"true\""),
+    );
+    let (code, printed) = check(&fmu.pack(), &[]);
+    assert_eq!((code, printed.lines().count()), (0, 1), "{printed}");
     // Two runs of one instance, however, are tried.
     let fmu = with_library(library(&["-DFAULT_reset_phase"])).edit("<CoSimulation ", once);
     let (_, printed) = check(&fmu.pack(), &[]);

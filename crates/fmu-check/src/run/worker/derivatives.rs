@@ -34,7 +34,7 @@ impl Subject<'_> {
             let Ok(values) = differences(&instance, output, input, start, other) else {
                 // A library may refuse a value; nothing else may then be asked of the instance.
                 refused.insert(pair.input);
-                if refused.len() > MOST_REFUSED {
+                if refused.len() > MOST_REFUSED || self.plan.abilities.once_per_process {
                     break;
                 }
                 instance = self.instance(library)?;
@@ -60,7 +60,11 @@ impl Subject<'_> {
                 "no output follows an input in the initialization: derivatives of outputs by inputs are not compared with differences",
             );
         }
-        drop(instance);
+        Ok(())
+    }
+
+    /// Compares derivatives of outputs in the direction of several inputs, after a step, with those by each of them.
+    pub(super) fn directions(&self, library: &Library) -> Result<(), Ended> {
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
         self.step(&instance, self.plan.start, self.plan.step)?;

@@ -106,7 +106,7 @@ impl Subject<'_> {
             Trial::Inputs => self.plan.inputs().any(|input| input.other.is_some()),
             Trial::Steps => can.varies_steps,
             Trial::States => can.saves_states,
-            Trial::Derivatives => can.directional_derivatives,
+            Trial::Derivatives | Trial::Directions => can.directional_derivatives,
             Trial::OutputDerivatives => {
                 can.output_derivatives && !self.plan.continuous_outputs().is_empty()
             }
@@ -138,6 +138,7 @@ impl Subject<'_> {
             Trial::Instances => self.instances(&library),
             Trial::States => self.states(&library),
             Trial::Derivatives => self.directional_derivatives(&library),
+            Trial::Directions => self.directions(&library),
             Trial::OutputDerivatives => self.output_derivatives(&library),
             Trial::InputDerivatives => self.input_derivatives(&library),
             Trial::Logging => self.logging(&library),
