@@ -470,6 +470,9 @@ EXPORT int fmi2SetFMUstate(component c, void *saved) {
 #ifdef FAULT_state_input
     ((state *)saved)->u = self->now.u;
 #endif
+#ifdef FAULT_state_rate
+    ((state *)saved)->rate = self->now.rate;
+#endif
 #ifndef FAULT_state
     self->now = *(state *)saved;
 #endif

@@ -41,6 +41,7 @@ fn each_fault_of_a_run_is_found_by_its_rule_alone() {
         ("value-lost", "only_first", ", and no later call set it"),
         ("reset-differs", "reset_value", "after fmi2Reset after a step with other values, x is "),
         ("state-differs", "state_input", "whose step 1 is step 6 of the first run, x is "),
+        ("state-differs", "state_rate", "whose step 1 is step 6 of the first run, x is "),
         ("free-state", "free_no_state", "crashes during fmi2FreeFMUstate of NULL (SIGSEGV)"),
         ("free-state", "pointer", "does not set the pointer"),
         ("process-settings", "folder", "changes the working folder of the process from /"),

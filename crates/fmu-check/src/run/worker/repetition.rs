@@ -2,6 +2,7 @@
 
 use super::experiment::OutputHistory;
 use super::library::{Instance, Library, Refused, SavedState, Value};
+use super::plan::{Role, Variable};
 use super::{Ended, Subject};
 use crate::rules::Rule;
 
@@ -179,12 +180,16 @@ impl Subject<'_> {
         rule: Rule,
     ) -> Result<(), Ended> {
         let middle = self.plan.steps / 2;
-        self.at("setting of inputs before fmi2SetFMUstate");
-        for input in self.plan.inputs() {
-            let Some(other) = &input.other else { continue };
-            // A library may refuse a value, and can go back to a state then.
-            if instance.write(&[(input.reference, other)]).is_err() {
-                break;
+        self.at("setting of other values before fmi2SetFMUstate");
+        let is_set = |variable: &&Variable| matches!(variable.role, Role::Input | Role::Tunable);
+        for variable in self.plan.variables.iter().filter(is_set) {
+            let Some(other) = &variable.other else { continue };
+            match instance.write(&[(variable.reference, other)]) {
+                Ok(()) => {}
+                // Nothing may follow fmi2Fatal, which is reported where all variables are set.
+                Err(refused) if refused.is_fatal() => return Err(Ended::Failed),
+                // A library may refuse a value, and can go back to a state then.
+                Err(_) => break,
             }
         }
         self.at("fmi2SetFMUstate");
