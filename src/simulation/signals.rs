@@ -352,8 +352,8 @@ impl DrivenInputs {
         rubbing.map(move |input| (&*input.friction, self.rate_without_waves(input, t)))
     }
 
-    /// What is added to each input that changes µ_k and µ_s of a contact by such numbers for one unit of it, in words; with
-    /// the input and the index of its nominal value.
+    /// Lists the inputs that change the friction of a contact. `changes` chooses them by the changes of µ_k and µ_s for one
+    /// unit of the input. Each has the words for what signals add to it, the input, and the index of its nominal value.
     pub(super) fn friction_sources(
         &self,
         contact: usize,

@@ -4,7 +4,7 @@
 use serde::Serialize;
 use std::fmt;
 
-/// What a broken rule means for the hosts that load an FMU.
+/// The class of a rule: how grave it is that an FMU breaks it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Class {

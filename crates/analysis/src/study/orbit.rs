@@ -123,8 +123,8 @@ struct Begun {
 }
 
 impl Begun {
-    /// What the scene settles into. Where its period is not seen, it is tried as a multiple of the drive's. `None` if the
-    /// watch ended it.
+    /// Runs the scene until it settles, and begins there. Where the run does not show its period, a multiple of the drive's
+    /// period is tried. Returns `None` if the watch ended it.
     fn by_run(
         scene: &Scene,
         observation: &ObservationSettings,

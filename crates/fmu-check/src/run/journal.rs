@@ -22,7 +22,7 @@ impl Journal {
         Ok(Self { file: RefCell::new(file), path: path.to_owned() })
     }
 
-    /// What all processes have written so far.
+    /// Returns the text that all processes have written so far.
     pub(super) fn text(&self) -> String {
         text(&self.path)
     }

@@ -148,7 +148,7 @@ fn wait(
     }
 }
 
-/// What a process of [`COMMAND`] does.
+/// The task of a process of [`COMMAND`].
 pub(crate) enum Task {
     /// Supervises all trials, with valgrind or without.
     Supervise { valgrind: bool },

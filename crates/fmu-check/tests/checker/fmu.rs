@@ -100,7 +100,7 @@ pub fn check(fmu: &[u8], arguments: &[&str]) -> (i32, String) {
     check_with(fmu, &[arguments, plainly].concat())
 }
 
-/// As [`check`], with valgrind where it is installed.
+/// Runs the program on an FMU, with valgrind where it is installed. Returns its exit code and its output.
 pub fn check_with(fmu: &[u8], arguments: &[&str]) -> (i32, String) {
     let folder = folder();
     fs::write(folder.path().join("a.fmu"), fmu).unwrap();

@@ -64,15 +64,16 @@ impl Subject<'_> {
             .instantiate(arguments)
             .ok_or_else(|| failed("fmi2Instantiate returns NULL".to_owned()))?;
         let Plan { tolerance, start, stop, .. } = self.plan;
-        self.at(&format!("fmi2SetupExperiment {with}"));
-        let setup = instance.setup(tolerance, start, stop);
-        setup.map_err(|refused| failed(format!("fmi2SetupExperiment returns {refused}")))?;
-        self.at(&format!("fmi2EnterInitializationMode {with}"));
-        let entered = instance.enter_initialization();
-        entered
-            .map_err(|refused| failed(format!("fmi2EnterInitializationMode returns {refused}")))?;
-        self.at(&format!("fmi2ExitInitializationMode {with}"));
-        let left = instance.exit_initialization();
-        left.map_err(|refused| failed(format!("fmi2ExitInitializationMode returns {refused}")))
+        let words = format!(" {with}");
+        self.staged("fmi2SetupExperiment", &words, || instance.setup(tolerance, start, stop))
+            .and_then(|()| {
+                let enter = || instance.enter_initialization();
+                self.staged("fmi2EnterInitializationMode", &words, enter)
+            })
+            .and_then(|()| {
+                let exit = || instance.exit_initialization();
+                self.staged("fmi2ExitInitializationMode", &words, exit)
+            })
+            .map_err(|(name, refused)| failed(format!("{name} returns {refused}")))
     }
 }

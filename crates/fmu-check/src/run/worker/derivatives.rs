@@ -167,7 +167,7 @@ impl Subject<'_> {
 
     /// Sets derivatives of inputs to zero before each step, which changes nothing.
     pub(super) fn input_derivatives(&self, library: &Library) -> Result<(), Ended> {
-        let inputs = self.plan.inputs().filter(|input| input.is_continuous());
+        let inputs = self.plan.inputs().filter(|input| input.is_continuous);
         let references: Vec<u32> = inputs.map(|input| input.reference).collect();
         if references.is_empty() {
             return Ok(());

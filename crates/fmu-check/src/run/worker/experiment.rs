@@ -86,6 +86,17 @@ impl Subject<'_> {
         Ok(self.reference(library)?.is_some())
     }
 
+    /// Makes a call whose stage is told with more `words`. Returns the name of a call that failed, and its answer.
+    pub(super) fn staged(
+        &self,
+        name: &str,
+        words: &str,
+        call: impl FnOnce() -> Result<(), Refused>,
+    ) -> Result<(), (String, Refused)> {
+        self.at(&format!("{name}{words}"));
+        call().map_err(|refused| (name.to_owned(), refused))
+    }
+
     /// Steps from one communication point to another. Returns the outputs after each step.
     pub(super) fn steps(
         &self,

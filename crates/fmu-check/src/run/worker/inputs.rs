@@ -13,25 +13,17 @@ impl Subject<'_> {
     pub(super) fn changed_inputs(&self, library: &Library) -> Result<(), Ended> {
         let inputs = self.plan.inputs().filter(|input| input.other.is_some());
         let mut inputs: Vec<&Variable> = inputs.collect();
-        let mut history = Err(inputs.len());
-        for _ in 0..MOST_INSTANCES {
+        let mut history = self.run_with_inputs(library, &inputs)?;
+        for _ in 1..MOST_INSTANCES {
+            // A library may refuse a value.
+            let Err(refused) = history else { break };
+            inputs.remove(refused);
             history = self.run_with_inputs(library, &inputs)?;
-            match history {
-                // A library may refuse a value.
-                Err(refused) if refused < inputs.len() => drop(inputs.remove(refused)),
-                _ => break,
-            }
         }
         let Ok(history) = history else { return Ok(()) };
+        let times = (1..).map(|number| self.time(number));
+        self.finite(&history, times, " if inputs have other values in every second step");
         let Some(reference) = self.reference(library)? else { return Ok(()) };
-        let is_finite = |history: &OutputHistory| {
-            let mut values = history.iter().flatten().filter_map(Value::real);
-            values.all(f64::is_finite)
-        };
-        if is_finite(&reference) {
-            let times = (1..).map(|number| self.time(number));
-            self.finite(&history, times, " if inputs have other values in every second step");
-        }
         let is_unmoved = self.difference(&reference, &history, Value::is_same).is_none();
         if is_unmoved && !inputs.is_empty() && !self.plan.dependencies.is_empty() {
             let count = inputs.len();
@@ -42,8 +34,8 @@ impl Subject<'_> {
         Ok(())
     }
 
-    /// Makes a run with other values of inputs in every second step. Returns the outputs, or the place of an input that
-    /// the library refuses, or the number of inputs if a step is refused.
+    /// Makes a run with other values of inputs in every second step. Returns the outputs, or the place of an input whose
+    /// value the library refuses.
     fn run_with_inputs(
         &self,
         library: &Library,
@@ -70,7 +62,7 @@ impl Subject<'_> {
                     said()
                 );
                 self.journal.note(&note);
-                return Ok(Err(inputs.len()));
+                return Err(Ended::NoStep);
             }
             history.push(self.read(&instance, &self.plan.outputs)?);
         }

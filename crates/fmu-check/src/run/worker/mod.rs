@@ -89,7 +89,7 @@ struct Stage {
 enum Ended {
     /// A call failed and has been reported.
     Failed,
-    /// The library did not complete a step, as it may.
+    /// The library did not complete a step, or refused one with other values of inputs, as it may.
     NoStep,
 }
 
@@ -166,7 +166,7 @@ impl Subject<'_> {
         self.journal.at(stage);
     }
 
-    /// As [`at`](Self::at), for a stage in which a crash breaks a rule of its own.
+    /// Records the stage that begins now, as [`at`](Self::at) does, and the rule that a crash in it breaks.
     fn at_risk(&self, rule: Rule, stage: &str) {
         self.at(stage);
         self.journal.risk(rule);

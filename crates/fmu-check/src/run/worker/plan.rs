@@ -21,7 +21,8 @@ pub(super) struct Variable {
     pub(super) reference: u32,
     pub(super) kind: Kind,
     pub(super) role: Role,
-    is_continuous: bool,
+    /// `true` for a Real that changes continuously.
+    pub(super) is_continuous: bool,
     pub(super) start: Option<Value>,
     /// A value beside the start value that the description allows; `None` if a host may not set the variable before the
     /// initialization ends, or if there is no other value.
@@ -140,7 +141,7 @@ impl Plan {
     }
 
     pub(super) fn continuous_outputs(&self) -> Vec<Variable> {
-        self.outputs.iter().filter(|output| output.is_continuous()).cloned().collect()
+        self.outputs.iter().filter(|output| output.is_continuous).cloned().collect()
     }
 }
 
@@ -163,11 +164,11 @@ fn dependencies(
         .filter_map(|unknown| Some((unknown.attribute("index")?.trim_ascii(), unknown)))
         .collect();
     let inputs: Vec<(usize, &Variable)> = (variables.iter().enumerate())
-        .filter(|(_, input)| input.role == Role::Input && input.is_continuous())
+        .filter(|(_, input)| input.role == Role::Input && input.is_continuous)
         .collect();
     let outputs = variables.iter().filter(|variable| variable.role == Role::Output);
     let mut pairs = Vec::new();
-    for (output, variable) in outputs.enumerate().filter(|(_, output)| output.is_continuous()) {
+    for (output, variable) in outputs.enumerate().filter(|(_, output)| output.is_continuous) {
         let Some(unknown) = unknowns.get(&*variable.index) else { continue };
         let listed = unknown.attribute("dependencies");
         let listed = listed.map(|list| list.split_ascii_whitespace().collect::<HashSet<_>>());
@@ -214,11 +215,6 @@ impl Variable {
             start,
             other,
         }
-    }
-
-    /// `true` for a Real that changes continuously.
-    pub(super) fn is_continuous(&self) -> bool {
-        self.is_continuous
     }
 }
 

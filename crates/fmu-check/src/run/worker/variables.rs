@@ -163,10 +163,9 @@ impl Subject<'_> {
     ) -> Result<(), (String, Refused)> {
         let Search { phase, when, .. } = *search;
         let Plan { tolerance, start, stop, step, .. } = self.plan;
-        let calls = |name: &str, call: &dyn Fn() -> Result<(), Refused>| {
-            self.at(&format!("{name}, other values set {when}"));
-            call().map_err(|refused| (name.to_owned(), refused))
-        };
+        let words = format!(", other values set {when}");
+        let calls =
+            |name: &str, call: &dyn Fn() -> Result<(), Refused>| self.staged(name, &words, call);
         // Returns the variables whose other values were accepted without a warning.
         let set = || {
             let mut accepted = Vec::new();

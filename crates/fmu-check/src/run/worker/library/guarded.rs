@@ -51,8 +51,8 @@ impl<T: Copy> Guarded<T> {
             (result == 0).then_some(())
         };
         protect(libc::PROT_READ | libc::PROT_WRITE)?;
-        // SAFETY: the pages can be written now and hold so many bytes from there; the size of a type is a multiple of its
-        // alignment, to which the page's end is aligned.
+        // SAFETY: the array lies in pages that can be written now, and has room for the content. It is aligned: it begins at
+        // a page, or ends at one, and the size of a type is a multiple of its alignment.
         unsafe { ptr::copy_nonoverlapping(content.as_ptr(), made.array, content.len()) };
         if is_read_only {
             protect(libc::PROT_READ)?;

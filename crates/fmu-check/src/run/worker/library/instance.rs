@@ -129,7 +129,7 @@ impl<'a> Instance<'a> {
             categories.iter().filter_map(|text| CString::new(text.as_str()).ok()).collect();
         let pointers: Vec<Text> = texts.iter().map(|text| text.as_ptr()).collect();
         let first = if pointers.is_empty() { ptr::null() } else { pointers.as_ptr() };
-        // SAFETY: the component is alive and there are so many strings, which outlive the call.
+        // SAFETY: the component is alive. The array has as many strings as are stated, and outlives the call.
         self.succeeded(unsafe { function(self.component, c_int::from(on), pointers.len(), first) })
     }
 
