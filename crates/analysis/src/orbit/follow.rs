@@ -336,7 +336,10 @@ impl Continued<'_> {
                 specials.push(special(&node, SpecialKind::Fold, place));
             }
         }
-        let [before, after] = [from, to].map(|node| growing(&node.orbit));
+        let outside = |least: f64| [from, to].map(|node| growing(&node.orbit, least));
+        let [before, after] = outside(1.0 + KNOWN);
+        // The magnitude at which a multiplier passes is exactly 1, unless another stays there but for rounding.
+        let passed = if outside(1.0) == [before, after] { 1.0 } else { 1.0 + KNOWN };
         for class in 0..before.len() {
             // At a fold one passes 1. A pair that becomes two real ones outside the unit circle, or comes of them, passes
             // nothing.
@@ -345,7 +348,7 @@ impl Continued<'_> {
             if before[class] == after[class] || is_fold || meets {
                 continue;
             }
-            let is_before = |node: &Node| growing(&node.orbit)[class] == before[class];
+            let is_before = |node: &Node| growing(&node.orbit, passed)[class] == before[class];
             if let Some(node) = self.bisect(from, distance, &is_before)? {
                 let kinds = [
                     SpecialKind::BranchPoint,
@@ -416,11 +419,11 @@ fn special(node: &Node, kind: SpecialKind, place: usize) -> SpecialPoint {
     SpecialPoint { parameter: node.parameter, kind, orbit: node.orbit.clone(), place }
 }
 
-/// Numbers of multipliers outside the unit circle, beyond rounding: above 1, below −1, and those that are not real.
-fn growing(orbit: &Orbit) -> [usize; 3] {
+/// Numbers of multipliers with a larger magnitude than `least`: above 1, below −1, and those that are not real.
+fn growing(orbit: &Orbit, least: f64) -> [usize; 3] {
     let mut numbers = [0; 3];
     for [re, im] in &orbit.multipliers {
-        if libm::hypot(*re, *im) > 1.0 + KNOWN {
+        if libm::hypot(*re, *im) > least {
             numbers[if *im != 0.0 { 2 } else { usize::from(*re < 0.0) }] += 1;
         }
     }

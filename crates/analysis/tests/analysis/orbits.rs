@@ -416,6 +416,19 @@ fn a_branch_goes_on_behind_a_tangential_event_in_the_same_sense() {
     }
 }
 
+/// The place was where a magnitude passes 1 + 1e-9, beyond rounding. A multiplier that passes slowly is there 7e-9 of the
+/// parameter later.
+#[test]
+fn a_pair_of_multipliers_has_magnitude_one_where_its_passage_is_located() {
+    let scene = scene("set1", 2e-4, &[("friction.coefficient", 1.86)]);
+    let range = [1.8, 1.95];
+    let branch = followed(&scene, "friction.coefficient", range, &mut after(scene.clone(), 6.0));
+    let [special] = &branch.specials[..] else { panic!("{:?}", branch.specials.len()) };
+    assert_eq!(special.kind, SpecialKind::NeimarkSacker);
+    let off = special.orbit.largest_multiplier() - 1.0;
+    assert!(off.abs() < 1e-12, "{off:e} at {}", special.parameter);
+}
+
 #[test]
 fn what_is_no_orbit_is_named() {
     // A free oscillation has periodic motions of every size beside it.
