@@ -1,8 +1,27 @@
 //! Independent pieces of work on all cores.
 
 use amontons::Error;
+use std::cell::Cell;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+thread_local! {
+    /// `true` while the pieces of work of this thread are carried out in the thread itself.
+    static ALONE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Carries out an analysis without other threads, as one of many workers that share the cores. Results do not depend on
+/// the number of threads.
+pub fn on_this_thread<T>(analysis: impl FnOnce() -> T) -> T {
+    struct Restore(bool);
+    impl Drop for Restore {
+        fn drop(&mut self) {
+            ALONE.set(self.0);
+        }
+    }
+    let _restore = Restore(ALONE.replace(true));
+    analysis()
+}
 
 /// `work(i)` for i below `count`, on all cores, in the order of i; `done` hears how many are done.
 /// After an error no new piece is begun; of several the first in the order of i is given.
@@ -29,12 +48,16 @@ pub(crate) fn collect<T: Send + Clone>(
             done(results.0);
         }
     };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count.max(1));
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(run);
-        }
-    });
+    if ALONE.get() {
+        run();
+    } else {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count.max(1));
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(run);
+            }
+        });
+    }
     // Work that was not begun stands behind the error that was its reason.
     results.into_inner().expect("no worker panics").1.into_iter().flatten().collect()
 }
@@ -42,6 +65,14 @@ pub(crate) fn collect<T: Send + Clone>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_of_many_workers_starts_no_other_thread() {
+        let here = std::thread::current().id();
+        let threads = || collect(4, &|_| Ok(std::thread::current().id()), &|_| {}).unwrap();
+        assert_eq!(on_this_thread(threads), [here; 4]);
+        assert!(!threads().contains(&here));
+    }
 
     #[test]
     fn results_come_in_order_and_the_first_error_ends_the_work() {

@@ -3,12 +3,16 @@
 //! The first line identifies the study by all that a piece depends on. A piece has a key, such as the value of the
 //! parameter that it was made for; so a study may also be given a wider range, and computes only new pieces. A last
 //! line without an end, as a full disk or a switched off machine leaves it, is dropped.
+//!
+//! Several workers can share a study: each computes some of the pieces that the study asks for ([`Journal::shared`]),
+//! and a study in which a piece is missing ends as one that was interrupted does. With the pieces of all workers it
+//! goes further, to its results or to pieces that depend on those before.
 
 use amontons::Error;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs::{File, TryLockError};
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -18,19 +22,66 @@ use std::sync::{Mutex, MutexGuard};
 pub struct Journal {
     /// Path of the file; `None` for a journal that is not kept.
     path: Option<PathBuf>,
+    /// `true` for the key of a piece that this worker computes.
+    is_ours: Box<dyn Fn(&str) -> bool + Send + Sync>,
     pages: Mutex<Pages>,
 }
 
+#[derive(Default)]
 struct Pages {
     file: Option<File>,
     done: HashMap<String, Value>,
+    /// Keys of all pieces that the study has asked for.
+    asked: BTreeSet<String>,
 }
 
 impl Journal {
     /// A journal that is forgotten when it is dropped.
     #[must_use]
     pub fn forgotten() -> Self {
-        Self { path: None, pages: Mutex::new(Pages { file: None, done: HashMap::new() }) }
+        Self::of([])
+    }
+
+    /// A journal with these pieces, by their keys, that is forgotten when it is dropped.
+    #[must_use]
+    pub fn of(pieces: impl IntoIterator<Item = (String, Value)>) -> Self {
+        let done = pieces.into_iter().collect();
+        Self::new(None, Pages { done, ..Pages::default() })
+    }
+
+    fn new(path: Option<PathBuf>, pages: Pages) -> Self {
+        Self { path, is_ours: Box::new(|_| true), pages: Mutex::new(pages) }
+    }
+
+    /// The same journal, with which a study computes only those missing pieces whose key `is_ours`.
+    #[must_use]
+    pub fn shared(self, is_ours: impl Fn(&str) -> bool + Send + Sync + 'static) -> Self {
+        Self { is_ours: Box::new(is_ours), ..self }
+    }
+
+    /// Adds finished pieces, by their keys, without writing them to the file.
+    pub fn learn(&self, pieces: impl IntoIterator<Item = (String, Value)>) {
+        self.pages().done.extend(pieces);
+    }
+
+    /// The finished pieces by their keys.
+    #[must_use]
+    pub fn pieces(&self) -> BTreeMap<String, Value> {
+        let pages = self.pages();
+        pages.done.iter().map(|(key, piece)| (key.clone(), piece.clone())).collect()
+    }
+
+    /// Keys of the pieces that a study has asked for so far, known or not, in the order of their text.
+    #[must_use]
+    pub fn asked(&self) -> Vec<String> {
+        self.pages().asked.iter().cloned().collect()
+    }
+
+    /// Keys of the pieces that a study has asked for so far and that are not finished, in the order of their text.
+    #[must_use]
+    pub fn missing(&self) -> Vec<String> {
+        let Pages { asked, done, .. } = &*self.pages();
+        asked.iter().filter(|key| !done.contains_key(*key)).cloned().collect()
     }
 
     /// Opens the journal in a file, with the finished pieces of this study; a new one is begun where there is none,
@@ -68,8 +119,7 @@ impl Journal {
         if kept == 0 {
             append(&mut file, &json!({ "study": study })).map_err(failed)?;
         }
-        let pages = Mutex::new(Pages { file: Some(file), done });
-        Ok(Self { path: Some(path.to_owned()), pages })
+        Ok(Self::new(Some(path.to_owned()), Pages { file: Some(file), done, ..Pages::default() }))
     }
 
     /// Number of finished pieces.
@@ -85,7 +135,7 @@ impl Journal {
     }
 
     /// The piece of work with this key: as it is noted here, or made and noted now. `None` where it was ended
-    /// before it was finished.
+    /// before it was finished, or where it is missing and another worker computes it.
     ///
     /// # Errors
     /// Returns an error if the work fails, or if the journal cannot be written; pieces that were noted before are
@@ -96,10 +146,17 @@ impl Journal {
         work: impl FnOnce() -> Result<Option<T>, Error>,
     ) -> Result<Option<T>, Error> {
         // In a statement of its own: the lock is not held during the work.
-        let known = self.pages().done.get(key).cloned();
+        let known = {
+            let pages = &mut *self.pages();
+            pages.asked.insert(key.to_owned());
+            pages.done.get(key).cloned()
+        };
         if let Some(value) = known {
             let path = self.path.as_deref().unwrap_or(Path::new(""));
             return serde_json::from_value(value).map(Some).map_err(|_| damaged(path));
+        }
+        if !(self.is_ours)(key) {
+            return Ok(None);
         }
         let Some(piece) = work()? else { return Ok(None) };
         let value = serde_json::to_value(&piece).map_err(|error| {
@@ -347,6 +404,25 @@ mod tests {
         let error = journal.piece("b", || Ok(Some(2.0))).unwrap_err();
         assert!(error.is_file() && error.to_string().contains("kept"), "{error}");
         assert_eq!(made(&journal, "a", 7.0), (false, Some(1.0)));
+    }
+
+    #[test]
+    fn workers_that_share_a_study_compute_each_piece_once_and_name_those_that_are_missing() {
+        let sum = |journal: &Journal| {
+            let terms = ["1", "2", "3"].map(|key| journal.piece(key, || Ok(Some(1.0))).unwrap());
+            let [Some(a), Some(b), Some(c)] = terms else { return None };
+            journal.piece("sum", || Ok(Some(a + b + c))).unwrap()
+        };
+        let odd = Journal::forgotten().shared(|key| key != "2");
+        assert_eq!((sum(&odd), odd.len()), (None, 2));
+        assert_eq!(
+            (odd.asked(), odd.missing()),
+            (["1", "2", "3"].map(str::to_owned).to_vec(), vec!["2".to_owned()])
+        );
+        let even = Journal::of(odd.pieces()).shared(|key| key == "2");
+        assert_eq!((sum(&even), even.missing()), (None, vec!["sum".to_owned()]));
+        odd.learn(even.pieces());
+        assert_eq!((sum(&odd), odd.missing()), (Some(3.0), vec![]));
     }
 
     #[test]
