@@ -1,0 +1,580 @@
+"""Scenes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from . import _core, _studies
+from ._progress import reporting
+from ._tables import table
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray
+    from numpy.typing import ArrayLike, NDArray
+
+    from ._executors import Executor
+    from ._simulation import Simulation
+
+    Table = xarray.Dataset | dict[str, Any]
+
+FRICTION = "friction.coefficient"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of a scene, as its FMU has it.
+
+    Attributes
+    ----------
+    name : str
+        The name, such as ``module[1].x1``.
+    causality : str
+        ``"input"``, ``"output"`` or ``"parameter"``.
+    type : str
+        ``"Real"``, ``"Integer"``, ``"Boolean"`` or ``"Enumeration"``.
+    unit : str
+        The unit; ``"1"`` where there is none.
+    description : str
+        What it is, in one line.
+    value : float or None
+        The scene's value of a parameter or input; None of an output.
+    """
+
+    name: str
+    causality: str
+    type: str
+    unit: str
+    description: str
+    value: float | None
+
+
+class Scene:
+    """Masses, springs, dampers and frictional contacts with a moving slider.
+
+    A scene never changes: `with_values` and `with_integrator` give other scenes. Scenes can be compared, are hashable,
+    and can be pickled.
+
+    >>> import amontons
+    >>> scene = amontons.Scene.builtin("set2")
+    >>> scene
+    <amontons.Scene set2: 2 contacts, 8 degrees of freedom>
+    >>> scene.with_values({"friction.coefficent": 0.5})
+    Traceback (most recent call last):
+    amontons.ArgumentError: there is no parameter or input friction.coefficent; did you mean friction.coefficient?
+    """
+
+    __slots__ = ("_core",)
+    _core: _core.Scene
+
+    def __init__(self) -> None:
+        raise TypeError("make a scene with Scene.builtin, Scene.read or Scene.from_toml")
+
+    @classmethod
+    def _of(cls, core: _core.Scene) -> Scene:
+        made = object.__new__(cls)
+        object.__setattr__(made, "_core", core)
+        return made
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError("a scene does not change; with_values gives another one")
+
+    @classmethod
+    def builtin(cls, name: str) -> Scene:
+        """A scene that is built into the module.
+
+        Parameters
+        ----------
+        name : str
+            One of `Scene.builtin_names`.
+
+        Examples
+        --------
+        >>> amontons.Scene.builtin("set1").name
+        'set1'
+        """
+        return cls._of(_core.Scene.builtin(name))
+
+    @staticmethod
+    def builtin_names() -> list[str]:
+        """Names of the scenes that are built in.
+
+        >>> amontons.Scene.builtin_names()[:3]
+        ['set1', 'set2', 'ring12']
+        """
+        return _core.builtin_names()
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Scene:
+        """Reads a scene file (TOML); CSV files that it names lie beside it.
+
+        Raises
+        ------
+        SceneError
+            With everything that is wrong in the file, each with its line.
+        """
+        return cls._of(_core.Scene.read(path))
+
+    @classmethod
+    def from_toml(cls, text: str, name: str = "scene") -> Scene:
+        """Makes a scene from the text of a scene file that names no other files.
+
+        Examples
+        --------
+        >>> text = '''
+        ... [[mass]]
+        ... name = "m"
+        ... mass = 1.0
+        ... locked = ["y"]
+        ... [[spring]]
+        ... name = "k"
+        ... between = ["m", "ground"]
+        ... direction = "x"
+        ... stiffness = 100.0
+        ... [[initial]]
+        ... mass = "m"
+        ... x = 0.01
+        ... [integrator]
+        ... method = "event-driven"
+        ... step = 1e-3
+        ... '''
+        >>> amontons.Scene.from_toml(text).eigenvalues().imag.round(9)
+        array([10.])
+        """
+        return cls._of(_core.Scene.from_toml(name, text))
+
+    def with_values(self, values: Mapping[str, float]) -> Scene:
+        """The scene with other values of parameters, inputs, initial values and signals.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            Values by the names of the variables, in SI units; they are set in their order.
+
+        Raises
+        ------
+        ArgumentError
+            For a name that the scene does not have; the text has the nearest one.
+        SceneError
+            For an impossible value.
+
+        Examples
+        --------
+        >>> scene = amontons.Scene.builtin("set1").with_values({"friction.coefficient": 0.9})
+        >>> scene["friction.coefficient"]
+        0.9
+        """
+        return self._of(self._core.with_values([(str(name), float(value)) for name, value in values.items()]))
+
+    def with_integrator(
+        self, method: str | None = None, step: float | None = None, preset: str | None = None
+    ) -> Scene:
+        """The scene with another method, step (s) or preset.
+
+        Parameters
+        ----------
+        method : {"forward-increment", "event-driven"}, optional
+            The paper's scheme, or exact motion from event to event.
+        step : float, optional
+            The internal step, s.
+        preset : {"preview", "design", "reference"}, optional
+            An accuracy that chooses method and step.
+        """
+        return self._of(self._core.with_integrator(method, step, preset))
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self._core.name
+
+    @property
+    def description(self) -> str:
+        """What the scene is, in one line."""
+        return self._core.description
+
+    @property
+    def text(self) -> str:
+        """Text of the scene file, in which no values are changed."""
+        return self._core.text
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The values that `with_values` has changed."""
+        return dict(self._core.values)
+
+    @property
+    def hash(self) -> str:
+        """A hash of the scene's files, the values that were changed, and method and step: the same on every machine."""
+        state = [self._core.text, self._core.tables, sorted(self.values.items()), self._core.integrator]
+        return hashlib.sha256(json.dumps(state).encode()).hexdigest()
+
+    @property
+    def variables(self) -> dict[str, Variable]:
+        """All variables by their names: parameters, inputs and outputs.
+
+        >>> amontons.Scene.builtin("set1").variables["friction.coefficient"].value
+        1.5
+        """
+        return {row[0]: Variable(*row) for row in self._core.variables()}
+
+    @property
+    def displacement_names(self) -> list[str]:
+        """Names of the displacements, one for each degree of freedom."""
+        return self._core.dof_names
+
+    @property
+    def contact_names(self) -> list[str]:
+        """Names of the contacts."""
+        return self._core.contact_names
+
+    def __getitem__(self, name: str) -> float:
+        """The value of a parameter, an input or a signal."""
+        return self._core.value(name)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scene) and self._state() == other._state()
+
+    def __hash__(self) -> int:
+        return int(self.hash[:15], 16)
+
+    def _state(self) -> tuple[Any, ...]:
+        core = self._core
+        return core.name, core.text, core.tables, core.values, core.integrator
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, self._state()
+
+    def __repr__(self) -> str:
+        contacts, dofs = self._core.contact_count, len(self._core.dof_names)
+        contacts = f"{contacts} contact" + "s" * (contacts != 1)
+        dofs = f"{dofs} degree{'s' * (dofs != 1)} of freedom"
+        changed = ", ".join(f"{name} = {value!r}" for name, value in self.values.items())
+        return f"<amontons.Scene {self.name}: {contacts}, {dofs}{', with ' * bool(changed)}{changed}>"
+
+    def _repr_svg_(self) -> str | None:
+        """The drawing, for a notebook; None where the scene is too large to be drawn."""
+        try:
+            return self._core.svg()
+        except _core.Error:
+            return None
+
+    def _repr_html_(self) -> str:
+        """The drawing and the values that were changed, for a notebook."""
+        from html import escape
+
+        drawing = self._repr_svg_() or ""
+        # The declaration of an XML file has no place within HTML.
+        drawing = drawing[drawing.find("<svg") :]
+        return f"<figure>{drawing}<figcaption>{escape(repr(self)[1:-1])}. {escape(self.description)}</figcaption></figure>"
+
+    def draw(self, path: str | os.PathLike[str] | None = None) -> Drawing:
+        """Draws masses, springs, dampers and contacts (up to 40 masses).
+
+        Parameters
+        ----------
+        path : path-like, optional
+            A file to write; its ending, ``.svg`` or ``.png``, is the format.
+        """
+        if path is not None:
+            self._core.draw(path)
+        return Drawing(self._core.svg())
+
+    def _attributes(self, **more: Any) -> dict[str, Any]:
+        values = json.dumps(self.values)
+        return {"scene": self.name, "scene_hash": self.hash, "scene_values": values, **more}
+
+    def _units(self) -> dict[str, str]:
+        return {row[0]: row[3] for row in self._core.variables()}
+
+    def simulate(
+        self,
+        stop_time: float | None = None,
+        output_interval: float | None = None,
+        outputs: Iterable[str] | None = None,
+        progress: Callable[[float], object] | bool | None = None,
+    ) -> Table:
+        """Runs the scene from its start.
+
+        Parameters
+        ----------
+        stop_time : float, optional
+            End of the run, s; by default the scene's.
+        output_interval : float, optional
+            Time between two rows, s; by default the scene's.
+        outputs : iterable of str, optional
+            Variables to record; by default all outputs.
+        progress : callable or bool, optional
+            Called with the part that is done, from 0 to 1; True shows a bar if tqdm is installed.
+
+        Returns
+        -------
+        xarray.Dataset or dict
+            The outputs over ``time`` (s). Without xarray a dictionary of arrays.
+
+        Examples
+        --------
+        >>> run = amontons.Scene.builtin("set1").simulate(stop_time=0.01, outputs=["module[1].x1"])
+        >>> len(run["module[1].x1"]) == len(run["time"])
+        True
+        """
+        names = None if outputs is None else _names(outputs)
+        with reporting(progress, "the run") as report:
+            times, columns, doubts = _core.run(self._core, stop_time, output_interval, names, report)
+        for doubt in doubts:
+            warnings.warn(doubt, stacklevel=2)
+        units = self._units()
+        variables = {
+            name: (("time",), values.astype("int32") if is_whole else values, {"units": units[name]})
+            for name, values, is_whole in columns
+        }
+        method, step = self._core.pace()
+        attributes = self._attributes(integrator=method, step=step)
+        return table(variables, {"time": (("time",), times, {"units": "s"})}, attributes)
+
+    def start(self, start_time: float = 0.0) -> Simulation:
+        """A simulation of the scene that is advanced step by step, from `start_time` (s)."""
+        from ._simulation import Simulation
+
+        return Simulation(self, start_time)
+
+    def eigenvalues(
+        self, state: str | None = None, friction: float | None = None, at: float = 0.0
+    ) -> NDArray[np.complex128]:
+        """Complex eigenvalues of a contact state.
+
+        Parameters
+        ----------
+        state : str, optional
+            A contact state: ``"Sl"``, ``"R-Sl"``, ``"St"`` or ``"Dt"`` for all contacts, or one for each, as
+            ``"Sl-St"``; by default uniform sliding.
+        friction : float, optional
+            Another value of ``friction.coefficient``.
+        at : float
+            The instant at which signals are taken, s.
+
+        Returns
+        -------
+        ndarray of complex
+            λ in 1/s: first those that oscillate, one of each conjugate pair (Im λ > 0), by frequency; then the real
+            ones. A positive real part grows.
+        """
+        return _core.eigenvalues(self._core, state, friction, at)
+
+    def modes(
+        self, state: str | None = None, friction: float | None = None, at: float = 0.0
+    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """Eigenvalues of a contact state as `eigenvalues` gives them, and the shapes of their modes.
+
+        Returns
+        -------
+        eigenvalues : ndarray of complex, shape (modes,)
+        shapes : ndarray of complex, shape (modes, degrees of freedom)
+            The largest component of each is 1.
+        """
+        return _core.modes(self._core, state, friction, at)
+
+    def states(
+        self,
+        friction: float | None = None,
+        at: float = 0.0,
+        progress: Callable[[float], object] | bool | None = None,
+    ) -> dict[str, NDArray[np.complex128]]:
+        """Eigenvalues of all contact states, by their names; for up to eight contacts."""
+        with reporting(progress, "the contact states") as report:
+            return dict(_core.states(self._core, friction, at, report))
+
+    def locus(
+        self,
+        values: ArrayLike,
+        parameter: str = FRICTION,
+        state: str | None = None,
+        at: float = 0.0,
+        progress: Callable[[float], object] | bool | None = None,
+    ) -> Table:
+        """Follows the modes of a contact state over the values of a parameter.
+
+        Parameters
+        ----------
+        values : array-like
+            Ascending values of the parameter, at least two.
+        parameter : str
+            The name of the parameter.
+        state, at
+            As in `eigenvalues`.
+
+        Returns
+        -------
+        xarray.Dataset or dict
+            ``growth_rate`` (1/s) and ``frequency`` (Hz) over ``mode`` and the parameter. The attribute ``crossings``
+            has (value, mode, frequency, begins to grow) of each mode whose growth rate changes its sign; ``mergings``
+            has (value, modes, frequency, merge or part).
+
+        Examples
+        --------
+        >>> locus = amontons.Scene.builtin("set1").locus(np.linspace(1.0, 1.5, 11))
+        >>> round(locus.attrs["crossings"][0][0], 6)
+        1.183611
+        """
+        import numpy as np
+
+        values = _ascending(values, parameter)
+        with reporting(progress, "the locus") as report:
+            found = _core.locus(self._core, parameter, values.tolist(), state, at, report)
+        eigenvalues = found.pop("eigenvalue")
+        dimensions = ("mode", parameter)
+        variables = {
+            "growth_rate": (dimensions, eigenvalues.real, {"units": "1/s"}),
+            "frequency": (dimensions, eigenvalues.imag / (2 * np.pi), {"units": "Hz"}),
+        }
+        coordinates = {
+            "mode": (("mode",), np.arange(len(eigenvalues)), {}),
+            parameter: ((parameter,), values, {"units": self._units().get(parameter, "1")}),
+        }
+        return table(variables, coordinates, self._attributes(state=state or "uniform sliding", **found))
+
+    def candidates(
+        self,
+        first: float,
+        last: float,
+        at: float = 0.0,
+        progress: Callable[[float], object] | bool | None = None,
+    ) -> dict[str, Any]:
+        """Bi-stable candidates over a range of the friction coefficient.
+
+        Returns
+        -------
+        dict
+            ``stable``: ranges of µ in which uniform sliding is stable; ``candidates``: modes of other contact states that
+            grow there, each with its state, range of µ, frequencies (Hz) and the push (m/s) that the state needs;
+            ``crossings`` as in `locus`; ``equilibrium``: ranges of µ in which there is one.
+        """
+        with reporting(progress, "the contact states") as report:
+            return _core.candidates(self._core, (float(first), float(last)), at, report)
+
+    def equilibrium(self, at: float = 0.0) -> dict[str, dict[str, float]]:
+        """The equilibrium in uniform sliding.
+
+        Returns
+        -------
+        dict
+            ``displacement`` (m) by degree of freedom; ``normal_force`` and ``friction_force`` (N) by contact.
+
+        Raises
+        ------
+        EquilibriumError
+            If there is none: the scene jams, or a contact opens.
+        """
+        displacement, normal, friction = (part.tolist() for part in _core.equilibrium(self._core, at))
+        contacts = self._core.contact_names
+        return {
+            "displacement": dict(zip(self._core.dof_names, displacement)),
+            "normal_force": dict(zip(contacts, normal)),
+            "friction_force": dict(zip(contacts, friction)),
+        }
+
+    def verdict(self, at: float = 0.0) -> str:
+        """The verdict of the eigenvalue analysis on uniform sliding, as maps of ``amontons-stability`` have it.
+
+        One of ``stable``, ``candidate``, ``candidate if a contact opens or reverses``, ``unstable``, ``no equilibrium in
+        sliding`` and ``static below kinetic friction``.
+
+        >>> amontons.Scene.builtin("set1").verdict()
+        'unstable'
+        """
+        return _core.verdict(self._core, at)[0]
+
+    def export(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        platforms: Iterable[str] | None = None,
+        progress: Callable[[float], object] | bool | None = None,
+    ) -> str:
+        """Writes the scene as an FMI 2.0 co-simulation FMU.
+
+        Parameters
+        ----------
+        path : path-like, optional
+            The file; by default NAME.fmu in the current folder.
+        platforms : iterable of str, optional
+            Platforms on which the FMU runs; by default all that the module carries.
+
+        Returns
+        -------
+        str
+            The path.
+        """
+        path = os.fspath(path if path is not None else f"{self.name}.fmu")
+        names = None if platforms is None else _names(platforms)
+        with reporting(progress, "the reference run") as report:
+            _core.export(self._core, path, names, report)
+        return path
+
+    limit_cycles = _studies.limit_cycles
+    perturbations = _studies.perturbations
+    basin = _studies.basin
+    continuation = _studies.continuation
+    orbit = _studies.orbit
+    branches = _studies.branches
+    transient = _studies.transient
+
+
+class Drawing:
+    """The drawing of a scene, which a notebook shows."""
+
+    def __init__(self, svg: str) -> None:
+        self.svg = svg
+        """Text of the SVG."""
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+
+def _restored(
+    name: str,
+    text: str,
+    tables: list[tuple[str, str]],
+    values: list[tuple[str, float]],
+    integrator: tuple[str | None, float | None, str | None],
+) -> Scene:
+    """The scene of a pickle."""
+    if tables:
+        import tempfile
+        from pathlib import Path
+
+        with tempfile.TemporaryDirectory() as folder:
+            for file, content in [*tables, (f"{name}.toml", text)]:
+                Path(folder, file).write_text(content, encoding="utf-8", newline="")
+            core = _core.Scene.read(Path(folder, f"{name}.toml"))
+    else:
+        core = _core.Scene.from_toml(name, text)
+    if values:
+        core = core.with_values(values)
+    if any(part is not None for part in integrator):
+        core = core.with_integrator(*integrator)
+    return Scene._of(core)
+
+
+def _names(names: Iterable[str]) -> list[str]:
+    if isinstance(names, str):
+        raise TypeError(f"give a list of names, such as [{names!r}]")
+    return [str(name) for name in names]
+
+
+def _ascending(values: ArrayLike, name: str) -> NDArray[np.float64]:
+    """The values of a parameter along an axis."""
+    import numpy as np
+
+    array = np.atleast_1d(np.asarray(values, dtype=float))
+    if array.ndim != 1 or len(array) == 0:
+        raise _core.ArgumentError(f"the values of {name} must be a list of numbers, not an array of shape {array.shape}")
+    if not np.all(np.isfinite(array)):
+        raise _core.ArgumentError(f"the values of {name} must be finite numbers")
+    if np.any(np.diff(array) <= 0):
+        raise _core.ArgumentError(f"the values of {name} must ascend")
+    return array

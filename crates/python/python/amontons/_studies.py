@@ -1,0 +1,435 @@
+"""Studies of a scene, which are methods of `Scene`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from . import _core
+from ._executors import Executor, carry_out
+from ._progress import reporting
+from ._tables import columns, table
+
+if TYPE_CHECKING:
+    import xarray
+    from numpy.typing import ArrayLike
+
+    from ._scene import Scene
+
+    Table = xarray.Dataset | dict[str, Any]
+
+SHARES = ("share_slide", "share_reverse_slide", "share_stick", "share_detached")
+
+
+def limit_cycles(
+    scene: Scene,
+    values: ArrayLike,
+    parameter: str = "slider.velocity",
+    *,
+    resolution: float = 1e-3,
+    of: str | None = None,
+    window: float | None = None,
+    interval: float | None = None,
+    longest: float | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[float], object] | bool | None = None,
+) -> Table:
+    """The motion that the scene settles into with each value of a parameter, and where it changes.
+
+    Parameters
+    ----------
+    values : array-like
+        Ascending values of the parameter.
+    parameter : str
+        The name of a parameter or input.
+    resolution : float
+        Accuracy of the values at which the motion changes, as a part of the distance between two values.
+    of : str, optional
+        The output whose amplitude and frequency are given; by default the first displacement.
+    window, interval, longest : float, optional
+        Length of the window in which a motion is classified, time between two observations, and the longest time for a
+        motion to settle, s; by default the scene's frequencies choose them.
+    executor : object with submit, optional
+        Where the work is done, as in `amontons.sweep`.
+    progress : callable or bool, optional
+        Called with the part that is done, from 0 to 1; True shows a bar if tqdm is installed.
+
+    Returns
+    -------
+    xarray.Dataset or dict
+        ``kind``, ``amplitude``, ``frequency`` (Hz), ``period`` (s), ``closure``, shares of time in contact states, and
+        ``failure`` over the parameter. The attribute ``thresholds`` has the values between which the motion changes.
+    """
+    from ._scene import _ascending
+
+    request = {
+        "study": "limit-cycles",
+        "parameter": parameter,
+        "values": _ascending(values, parameter).tolist(),
+        "resolution": float(resolution),
+        "portraits": [],
+        **_observation(of, window, interval, longest),
+    }
+    found = _run(scene, request, executor, progress, "the limit cycles")
+    result = found["result"]
+    rows = [_outcome(outcome) for outcome in result["found"]["outcomes"]]
+    variables = columns(rows, parameter)
+    units = scene._units()
+    unit = units.get(found["look"]["of"], "1")
+    for name, its in {"amplitude": unit, "frequency": "Hz", "period": "s", "time": "s"}.items():
+        if name in variables:
+            variables[name][2]["units"] = its
+    thresholds = [
+        {"between": threshold["between"], "changes": [_change(change) for change in threshold["changes"]]}
+        for threshold in result["found"]["thresholds"]
+    ]
+    coordinates = {parameter: ((parameter,), _array(result["values"]), {"units": units.get(parameter, "1")})}
+    return table(variables, coordinates, scene._attributes(of=found["look"]["of"], thresholds=thresholds))
+
+
+def perturbations(
+    scene: Scene,
+    values: ArrayLike,
+    initial: str,
+    *,
+    resolution: float = 1e-3,
+    of: str | None = None,
+    window: float | None = None,
+    interval: float | None = None,
+    longest: float | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[float], object] | bool | None = None,
+) -> Table:
+    """The attractors that perturbations of one initial value reach, and the thresholds between them.
+
+    Parameters
+    ----------
+    values : array-like
+        Ascending values of the initial value, m or m/s.
+    initial : str
+        Its name, such as ``module[1].v2``.
+    resolution : float
+        Thresholds are found to this part of themselves.
+    of, window, interval, longest, executor, progress
+        As in `limit_cycles`.
+
+    Returns
+    -------
+    xarray.Dataset or dict
+        ``attractor`` (-1 where there is none), ``kind``, ``amplitude`` and ``frequency`` over the initial value, which
+        has the values of the bisection too. The attributes have ``attractors`` and ``thresholds``.
+    """
+    from ._scene import _ascending
+
+    request = {
+        "study": "perturbations",
+        "parameter": initial,
+        "values": _ascending(values, initial).tolist(),
+        "resolution": float(resolution),
+        **_observation(of, window, interval, longest),
+    }
+    found = _run(scene, request, executor, progress, "the perturbations")
+    result = found["result"]
+    rows = []
+    for run in result["runs"]:
+        attractor = -1 if run["attractor"] is None else run["attractor"]
+        ending = run["ending"]
+        outcome = {"ending": ending} if ending is not None else {"failure": run["failure"]}
+        rows.append({"attractor": attractor, **_outcome(outcome)})
+    variables = columns(rows, initial)
+    dimensions, attractor, attributes = variables["attractor"]
+    variables["attractor"] = (dimensions, attractor.astype(int), attributes)
+    amplitudes = _array([run["amplitude"] for run in result["runs"]])
+    attributes = scene._attributes(
+        of=found["look"]["of"], attractors=result["attractors"], thresholds=result["thresholds"]
+    )
+    return table(variables, {initial: ((initial,), amplitudes, {})}, attributes)
+
+
+def basin(
+    scene: Scene,
+    x: tuple[str, ArrayLike],
+    y: tuple[str, ArrayLike],
+    *,
+    every_point: bool = False,
+    of: str | None = None,
+    window: float | None = None,
+    interval: float | None = None,
+    longest: float | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[float], object] | bool | None = None,
+) -> Table:
+    """Basins of attraction in a plane of two initial values.
+
+    Parameters
+    ----------
+    x, y : tuple of str and array-like
+        The initial value along each axis: its name, such as ``module[1].v2``, and ascending values.
+    every_point : bool
+        Run every point; otherwise points between which basins meet are run, and the others filled in.
+    of, window, interval, longest, executor, progress
+        As in `limit_cycles`.
+
+    Returns
+    -------
+    xarray.Dataset or dict
+        ``attractor`` (-1 where there is none), and ``run`` (False where it is filled in) over both initial values. The
+        attribute ``attractors`` has the motion of each number.
+    """
+    import numpy as np
+
+    from ._scene import _ascending
+
+    axes = {name: _ascending(values, name) for name, values in (x, y)}
+    request = {
+        "study": "basin",
+        "x": [x[0], axes[x[0]].tolist()],
+        "y": [y[0], axes[y[0]].tolist()],
+        "every_point": bool(every_point),
+        **_observation(of, window, interval, longest),
+    }
+    found = _run(scene, request, executor, progress, "the basins")
+    cells = found["result"]["rows"]
+    attractor = [[-1 if cell["attractor"] is None else cell["attractor"] for cell in row] for row in cells]
+    run = [[cell["run"] for cell in row] for row in cells]
+    failure = [[cell["failure"] or "" for cell in row] for row in cells]
+    dimensions = (y[0], x[0])
+    variables = {
+        "attractor": (dimensions, np.array(attractor, dtype=int), {}),
+        "run": (dimensions, np.array(run, dtype=bool), {}),
+        "failure": (dimensions, np.array(failure, dtype=np.str_), {}),
+    }
+    coordinates = {name: ((name,), values, {}) for name, values in axes.items()}
+    attributes = scene._attributes(of=found["look"]["of"], attractors=found["result"]["attractors"])
+    return table(variables, coordinates, attributes)
+
+
+def continuation(
+    scene: Scene,
+    values: ArrayLike,
+    *,
+    resolution: float | None = None,
+    of: str | None = None,
+    window: float | None = None,
+    interval: float | None = None,
+    longest: float | None = None,
+    progress: Callable[[float], object] | bool | None = None,
+) -> dict[str, Any]:
+    """The motions of the scene over the friction coefficient, followed upwards and downwards.
+
+    Parameters
+    ----------
+    values : array-like
+        Ascending values of µ.
+    resolution : float, optional
+        Distance in µ to which a jump is narrowed; by default a hundredth of the first step.
+    of, window, interval, longest, progress
+        As in `limit_cycles`. Each value starts from the motion of the one before, so the work is not shared out.
+
+    Returns
+    -------
+    dict
+        As in study.json of ``amontons study continuation``: both ways, jumps, ranges with two motions.
+    """
+    from ._scene import FRICTION, _ascending
+
+    request = {
+        "study": "continuation",
+        "values": _ascending(values, FRICTION).tolist(),
+        "resolution": None if resolution is None else float(resolution),
+        **_observation(of, window, interval, longest),
+    }
+    return _run(scene, request, None, progress, "the continuation")["result"]
+
+
+def orbit(
+    scene: Scene,
+    start: Any = "run",
+    *,
+    of: str | None = None,
+    window: float | None = None,
+    interval: float | None = None,
+    longest: float | None = None,
+    progress: Callable[[float], object] | bool | None = None,
+) -> dict[str, Any]:
+    """One periodic motion, stable or not, solved for itself.
+
+    Parameters
+    ----------
+    start : str, tuple or dict
+        The motion from which it is looked for: ``"run"`` for the one that the scene settles into; ``("mode", n)`` for a
+        mode of uniform sliding, counted from 1; ``("between", name, a, b)`` for the boundary between the motions that two
+        values of an initial value end in; or an orbit that this function has found, perhaps with other values.
+
+    Returns
+    -------
+    dict
+        ``orbit``: its period (s), displacements, velocities, events and Floquet multipliers; ``stable``.
+    """
+    request = {"study": "orbit", "start": _start(start), **_observation(of, window, interval, longest)}
+    return _run(scene, request, None, progress, "the orbit")["result"]
+
+
+def branches(
+    scene: Scene,
+    parameter: str,
+    first: float,
+    last: float,
+    starts: Iterable[Any] = ("run",),
+    *,
+    points: int = 400,
+    of: str | None = None,
+    window: float | None = None,
+    interval: float | None = None,
+    longest: float | None = None,
+    progress: Callable[[float], object] | bool | None = None,
+) -> dict[str, Any]:
+    """Branches of periodic motions over a parameter: folds, bifurcations, changes of the sequence of events.
+
+    Parameters
+    ----------
+    parameter : str
+        The name of the parameter.
+    first, last : float
+        Its range.
+    starts : iterable
+        The motions from which branches begin, each as in `orbit`.
+    points : int
+        The most points of a branch to either side of its start.
+
+    Returns
+    -------
+    dict
+        As in study.json of ``amontons study branches``: points and special points of each branch; uniform sliding.
+    """
+    request = {
+        "study": "branches",
+        "parameter": parameter,
+        "range": [float(first), float(last)],
+        "starts": [_start(start) for start in starts],
+        "points": int(points),
+        **_observation(of, window, interval, longest),
+    }
+    return _run(scene, request, None, progress, "the branches")["result"]
+
+
+def transient(
+    scene: Scene,
+    stop_time: float | None = None,
+    output_interval: float | None = None,
+    *,
+    of: str | None = None,
+    progress: Callable[[float], object] | bool | None = None,
+) -> dict[str, Any]:
+    """Growth and decay of the motion in one run, band by band, beside eigenvalues.
+
+    Parameters
+    ----------
+    stop_time, output_interval : float, optional
+        End of the run and time between two rows, s; by default the scene's.
+    of : str, optional
+        The output; by default the displacement that moves most.
+
+    Returns
+    -------
+    dict
+        As in study.json of ``amontons study transient``: ``findings`` has each growth and decay.
+    """
+    request = {
+        "study": "transient",
+        "stop_time": None if stop_time is None else float(stop_time),
+        "output_interval": None if output_interval is None else float(output_interval),
+        **_observation(of, None, None, None),
+    }
+    return _run(scene, request, None, progress, "the run")
+
+
+def _run(
+    scene: Scene,
+    request: dict[str, Any],
+    executor: Executor | None,
+    progress: Callable[[float], object] | bool | None,
+    what: str,
+) -> Any:
+    """The result of a study."""
+    text = json.dumps(request)
+    study = _core.Study(scene._core, text)
+    with reporting(progress, what) as report:
+        if executor is None:
+            return json.loads(study.run(report))
+        known: dict[str, str] = {}
+        left = 1.0
+        while True:
+            result, _, missing = study.plan(list(known.items()))
+            if result is not None:
+                return json.loads(result)
+            common = (scene, text, list(known.items()), missing)
+
+            def tell(part: float, left: float = left) -> None:
+                if report:
+                    report(1.0 - left * (1.0 - 0.5 * part))
+
+            before = len(known)
+            for _, found in carry_out(_pieces, common, missing, executor, tell):
+                known.update(found)
+            if len(known) == before:
+                raise RuntimeError(f"{what} have not advanced: {len(missing)} pieces are missing")
+            left *= 0.5
+
+
+def _pieces(common: tuple[Any, ...], keys: Sequence[str]) -> list[tuple[str, str]]:
+    """Some pieces of a study."""
+    scene, request, known, missing = common
+    study = _core.Study(scene._core, request)
+    return study.work(known, set(keys), set(missing).difference(keys))
+
+
+def _observation(
+    of: str | None, window: float | None, interval: float | None, longest: float | None
+) -> dict[str, Any]:
+    settings = {"window": window, "interval": interval, "longest": longest}
+    for name, value in settings.items():
+        if value is not None and not 0.0 < float(value) < float("inf"):
+            raise _core.ArgumentError(f"{name} = {value!r} is impossible; give a time above zero, in seconds")
+    times = {name: None if value is None else float(value) for name, value in settings.items()}
+    return {"of": of, **times, "integrator": {}}
+
+
+def _start(start: Any) -> Any:
+    """A start of an orbit as the compiled part reads it."""
+    match start:
+        case "run":
+            return "run"
+        case ("mode", number):
+            return {"mode": int(number)}
+        case ("between", name, a, b):
+            return {"between": [str(name), [float(a), float(b)]]}
+        case {"orbit": {"period": _} as known} | ({"period": _} as known):
+            return {"orbit": known}
+    raise _core.ArgumentError(
+        f"{start!r} is no start of an orbit; give 'run', ('mode', 1), ('between', 'module[1].v2', 0.0, 0.1), or an orbit "
+        "that was found before"
+    )
+
+
+def _outcome(outcome: dict[str, Any]) -> dict[str, Any]:
+    """The row of an ending, or of a failure."""
+    ending = outcome.get("ending")
+    if ending is None:
+        return {"kind": "failed", "failure": outcome["failure"]}
+    numbers = {key: ending[key] for key in ("amplitude", "frequency", "period", "closure", "time")}
+    if ending["kind"] == "unbounded":
+        numbers["amplitude"] = None
+    return {"kind": ending["kind"], **numbers, **dict(zip(SHARES, ending["shares"])), "failure": ""}
+
+
+def _change(change: Any) -> str:
+    """A change in words: ``rest-ends``, ``appears: St``."""
+    return change if isinstance(change, str) else ", ".join(f"{what}: {state}" for what, state in change.items())
+
+
+def _array(values: Sequence[float]) -> Any:
+    import numpy as np
+
+    return np.array(values, dtype=float)

@@ -1,0 +1,154 @@
+"""Sweeps: one quantity over the values of any number of parameters."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from . import _core
+from ._executors import Executor, carry_out
+from ._progress import reporting
+from ._scene import Scene, _ascending
+from ._tables import columns, table
+
+if TYPE_CHECKING:
+    import xarray
+    from numpy.typing import ArrayLike
+
+
+def sweep(
+    scene: Scene,
+    parameters: Mapping[str, ArrayLike],
+    of: str | Callable[[Scene], Any] = "growth",
+    executor: Executor | None = None,
+    progress: Callable[[float], object] | bool | None = None,
+) -> xarray.Dataset | dict[str, Any]:
+    """Evaluates a scene at every combination of the values of some parameters.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    parameters : mapping of str to array-like
+        Ascending values of each parameter, input or initial value, by its name.
+    of : str or callable
+        What is evaluated:
+
+        ``"growth"``
+            ``growth_rate`` (1/s) and ``frequency`` (Hz) of the fastest growing mode of uniform sliding;
+        ``"verdict"``
+            the verdict on uniform sliding, as `Scene.verdict` gives it;
+        ``"motion"``
+            the motion that the scene settles into: ``kind``, ``amplitude`` of the first displacement (m),
+            ``frequency`` (Hz), ``period`` (s), and shares of time in contact states;
+        a function of a scene
+            its result is a number, a text, or a dictionary of these. Executors of processes need a function that can be
+            pickled, as those of a module can.
+    executor : object with submit, optional
+        Where the work is done: an executor of `concurrent.futures`, `dask.distributed` (a client too) or
+        `mpi4py.futures`; by default threads of this process. The result does not depend on it.
+    progress : callable or bool, optional
+        Called with the part that is done, from 0 to 1; True shows a bar if tqdm is installed.
+
+    Returns
+    -------
+    xarray.Dataset or dict
+        The quantities over the parameters. ``failure`` has the reason of each point that has no result, and is empty
+        elsewhere; a failing point loses no other one.
+
+    Examples
+    --------
+    >>> scene = amontons.Scene.builtin("set1")
+    >>> found = amontons.sweep(scene, {"friction.coefficient": [1.0, 1.5]})
+    >>> [bool(rate > 0) for rate in found["growth_rate"]]
+    [False, True]
+    """
+    import numpy as np
+
+    evaluate = _EVALUATIONS.get(of) if isinstance(of, str) else of
+    if not callable(evaluate):
+        raise _core.ArgumentError(f"of = {of!r} is none of {', '.join(_EVALUATIONS)}, and no function of a scene")
+    if not parameters:
+        raise _core.ArgumentError("a sweep needs at least one parameter")
+    axes = {str(name): _ascending(values, name) for name, values in parameters.items()}
+    for name in axes:
+        # A misspelt name is an error of the whole sweep, not of each point.
+        scene[name]
+    points = list(itertools.product(*(values.tolist() for values in axes.values())))
+    rows: dict[int, dict[str, Any]] = {}
+    with reporting(progress, "the sweep") as report:
+        common = (scene, list(axes), evaluate, points if executor is None else None)
+        items = range(len(points)) if executor is None else list(enumerate(points))
+        for batch, found in carry_out(_evaluated, common, items, executor, report):
+            places = batch if executor is None else [place for place, _ in batch]
+            rows.update(zip(places, found))
+    shape = tuple(len(values) for values in axes.values())
+    flat = columns([rows[place] for place in range(len(points))], "point")
+    variables = {
+        name: (tuple(axes), values.reshape(shape), {"units": _UNITS[name]} if name in _UNITS else {})
+        for name, (_, values, _) in flat.items()
+    }
+    units = scene._units()
+    coordinates = {
+        name: ((name,), values, {"units": units.get(name, "1")}) for name, values in axes.items()
+    }
+    if len(variables) == 1:
+        first = next(place for place in range(len(points)))
+        reason = rows[first]["failure"]
+        raise _core.Error(f"no point of the sweep has a result; the first one: {reason}")
+    described = of if isinstance(of, str) else getattr(of, "__qualname__", repr(of))
+    return table(variables, coordinates, scene._attributes(of=described))
+
+
+def _evaluated(common: tuple[Any, ...], batch: Sequence[Any]) -> list[dict[str, Any]]:
+    """The rows of some points."""
+    scene, names, evaluate, points = common
+    places = batch if points is None else [(place, points[place]) for place in batch]
+    return [_row(scene, dict(zip(names, point)), evaluate) for _, point in places]
+
+
+def _row(scene: Scene, values: dict[str, float], evaluate: Callable[[Scene], Any]) -> dict[str, Any]:
+    try:
+        found = evaluate(scene.with_values(values))
+    except Exception as error:
+        return {"failure": f"{error}" if isinstance(error, _core.Error) else f"{type(error).__name__}: {error}"}
+    if not isinstance(found, Mapping):
+        found = {"value": found}
+    plain = {str(key): value.item() if hasattr(value, "item") else value for key, value in found.items()}
+    return {**plain, "failure": plain.get("failure", "")}
+
+
+def _growth(scene: Scene) -> dict[str, float]:
+    import numpy as np
+
+    fastest = max(scene.eigenvalues().tolist(), key=lambda value: value.real)
+    return {"growth_rate": fastest.real, "frequency": abs(fastest.imag) / (2 * np.pi)}
+
+
+def _verdict(scene: Scene) -> dict[str, str]:
+    return {"verdict": scene.verdict()}
+
+
+def _motion(scene: Scene) -> dict[str, Any]:
+    from ._studies import limit_cycles
+
+    name = "friction.coefficient" if "friction.coefficient" in scene.variables else next(
+        name for name, variable in scene.variables.items() if variable.value is not None
+    )
+    found = limit_cycles(scene, [scene[name]], name, resolution=1.0)
+    return {key: found[key][0].item() for key in (*_MOTION, "failure")}
+
+
+_EVALUATIONS: dict[str, Callable[[Scene], Any]] = {"growth": _growth, "verdict": _verdict, "motion": _motion}
+_MOTION = (
+    "kind",
+    "amplitude",
+    "frequency",
+    "period",
+    "share_slide",
+    "share_reverse_slide",
+    "share_stick",
+    "share_detached",
+)
+_UNITS = {"growth_rate": "1/s", "frequency": "Hz", "amplitude": "m", "period": "s"}

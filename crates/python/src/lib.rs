@@ -1,0 +1,48 @@
+//! The compiled part of the Python package `amontons`.
+//!
+//! It gives Python what the crates of Amontons have, with as little of its own as can be: arguments are Python's
+//! numbers and texts, results are NumPy arrays that take over the memory of Rust's vectors, and JSON where a result has
+//! many parts. The Python sources beside it, in `python/amontons`, are what users see.
+//!
+//! | file | contents |
+//! | --- | --- |
+//! | `errors` | exceptions with the texts of the crates' errors |
+//! | `interrupt` | long work without the interpreter's lock, which Ctrl-C ends |
+//! | `scene` | scenes, which never change |
+//! | `stability` | eigenvalues, loci, candidates, verdicts |
+//! | `run` | one run as arrays |
+//! | `simulation` | a motion that is advanced step by step |
+//! | `study` | studies, as a whole or in pieces for many workers |
+//! | `export` | FMUs |
+
+mod errors;
+mod export;
+mod interrupt;
+mod run;
+mod scene;
+mod simulation;
+mod stability;
+mod study;
+
+/// Compiled part of the package `amontons`.
+#[pyo3::pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    use crate::errors::{
+        AnalysisError, ArgumentError, EquilibriumError, Error, FileError, SceneError, StepError,
+    };
+    #[pymodule_export]
+    use crate::export::export;
+    #[pymodule_export]
+    use crate::interrupt::on_this_thread;
+    #[pymodule_export]
+    use crate::run::run;
+    #[pymodule_export]
+    use crate::scene::{Scene, builtin_names};
+    #[pymodule_export]
+    use crate::simulation::Simulation;
+    #[pymodule_export]
+    use crate::stability::{candidates, eigenvalues, equilibrium, locus, modes, states, verdict};
+    #[pymodule_export]
+    use crate::study::Study;
+}

@@ -1,0 +1,210 @@
+//! A motion that is advanced step by step.
+
+use crate::errors::{Error, raised};
+use crate::run::variable;
+use crate::scene::Scene;
+use amontons::simulation::{Parameters, Progress, Snapshot, Variable, fingerprint, variables};
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::sync::{Mutex, TryLockError};
+
+/// A scene in motion. One thread uses it at a time.
+#[pyclass(frozen, module = "amontons._core")]
+pub struct Simulation {
+    /// Identity of the scene's files, to which saved states belong.
+    fingerprint: String,
+    /// All variables by their names.
+    variables: HashMap<String, Variable>,
+    /// `None` after a step that failed or was interrupted.
+    running: Mutex<Option<amontons::simulation::Simulation>>,
+}
+
+/// What a saved state holds: the scene's files by their fingerprint, all values that can be set, and the motion.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    fingerprint: String,
+    values: Vec<f64>,
+    progress: Progress,
+}
+
+impl Simulation {
+    /// Does something with the running simulation, without the interpreter's lock.
+    fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut amontons::simulation::Simulation) -> PyResult<T> + Send,
+    ) -> PyResult<T> {
+        let mut running = match self.running.try_lock() {
+            Ok(running) => running,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => {
+                return Err(Error::new_err(
+                    "this simulation is in use by another thread; give each thread a simulation of its own",
+                ));
+            }
+        };
+        let simulation = running.as_mut().ok_or_else(|| {
+            Error::new_err(
+                "this simulation has failed or was interrupted within a step, so its motion is lost; restore a saved \
+                 state, or make a new one",
+            )
+        })?;
+        py.detach(|| work(simulation))
+    }
+
+    fn variable(&self, name: &str) -> PyResult<&Variable> {
+        if let Some(known) = self.variables.get(name) {
+            return Ok(known);
+        }
+        let mut known: Vec<Variable> = self.variables.values().cloned().collect();
+        known.sort_by(|a, b| a.name.cmp(&b.name));
+        Err(variable(&known, name).map(|_| ()).map_err(raised).err().expect("it is not known"))
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    #[new]
+    fn new(py: Python<'_>, scene: &Scene, start_time: f64) -> PyResult<Self> {
+        if !start_time.is_finite() {
+            let error = format!("a simulation cannot start at {start_time} s; give a finite time");
+            return Err(raised(amontons::Error::argument(error)));
+        }
+        let made =
+            py.detach(|| amontons::simulation::Simulation::new(scene.resolved(), start_time));
+        let named =
+            variables(&scene.scene).into_iter().map(|variable| (variable.name.clone(), variable));
+        Ok(Self {
+            fingerprint: fingerprint(&scene.source),
+            variables: named.collect(),
+            running: Mutex::new(Some(made.map_err(raised)?)),
+        })
+    }
+
+    #[getter]
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        self.with(py, |simulation| Ok(simulation.time()))
+    }
+
+    #[getter]
+    fn step(&self, py: Python<'_>) -> PyResult<f64> {
+        self.with(py, |simulation| Ok(simulation.scene().step))
+    }
+
+    /// Advances to a time, s.
+    fn advance_to(&self, py: Python<'_>, time: f64) -> PyResult<()> {
+        let mut interrupted = None;
+        let advanced = self.with(py, |simulation| {
+            let go_on = || match Python::attach(|py| py.check_signals()) {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => {
+                    interrupted = Some(error);
+                    ControlFlow::Break(())
+                }
+            };
+            let before = simulation.time();
+            let advanced = simulation.advance_while(time, go_on).map_err(raised);
+            // An error before the first step, as of a time in the past, leaves the motion as it was.
+            let is_lost = advanced
+                .as_ref()
+                .map_or(simulation.time() == before && time > before, |flow| flow.is_break());
+            Ok((advanced.map(|_| ()), is_lost))
+        });
+        let (advanced, is_lost) = advanced?;
+        if is_lost {
+            *self.running.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = None;
+        }
+        match interrupted {
+            Some(error) => Err(error),
+            None => advanced,
+        }
+    }
+
+    /// The value of a variable.
+    fn read(&self, py: Python<'_>, name: &str) -> PyResult<f64> {
+        let variable = self.variable(name)?;
+        self.with(py, |simulation| simulation.read(variable).map_err(raised))
+    }
+
+    /// The values of variables.
+    #[allow(clippy::needless_pass_by_value)]
+    fn read_all<'py>(
+        &self,
+        py: Python<'py>,
+        names: Vec<String>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let variables: Vec<&Variable> =
+            names.iter().map(|name| self.variable(name)).collect::<PyResult<_>>()?;
+        let values: Vec<f64> = self.with(py, |simulation| {
+            variables
+                .into_iter()
+                .map(|variable| simulation.read(variable).map_err(raised))
+                .collect()
+        })?;
+        Ok(values.into_pyarray(py))
+    }
+
+    /// Gives an input or a tunable parameter another value from now on.
+    fn set(&self, py: Python<'_>, name: &str, value: f64) -> PyResult<()> {
+        let variable = self.variable(name)?;
+        self.with(py, |simulation| simulation.write(variable, value).map_err(raised))
+    }
+
+    /// Displacements from the equilibrium (m) and velocities (m/s), one for each degree of freedom.
+    fn motion<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
+        let two = self.with(py, |simulation| {
+            Ok([simulation.displacement().to_vec(), simulation.velocity().to_vec()])
+        })?;
+        Ok(two.map(|values| values.into_pyarray(py)))
+    }
+
+    /// The states of the contacts, as the paper writes them.
+    fn contact_states(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.with(py, |simulation| {
+            Ok(simulation.contact_states().iter().map(ToString::to_string).collect())
+        })
+    }
+
+    /// All that the simulation needs to continue from here.
+    fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.with(py, |simulation| {
+            let values = simulation.nominal().iter().map(|(_, value)| value).collect();
+            let progress = simulation.save().into_progress();
+            let saved = Saved { fingerprint: self.fingerprint.clone(), values, progress };
+            Ok(postcard::to_stdvec(&saved).expect("a vector takes all bytes"))
+        })?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Continues from a saved state of this scene.
+    fn restore(&self, py: Python<'_>, scene: &Scene, state: &[u8]) -> PyResult<()> {
+        let wrong = |why: &str| Error::new_err(format!("the saved state {why}"));
+        let Ok(saved) = postcard::from_bytes::<Saved>(state) else {
+            return Err(wrong("is damaged, or was written by another version"));
+        };
+        if saved.fingerprint != self.fingerprint {
+            return Err(wrong("belongs to another scene"));
+        }
+        let mut nominal = Parameters::of(scene.resolved());
+        let variables: Vec<Variable> =
+            nominal.iter().map(|(variable, _)| variable.clone()).collect();
+        if variables.len() != saved.values.len() {
+            return Err(wrong("belongs to another scene"));
+        }
+        for (variable, value) in variables.iter().zip(saved.values) {
+            nominal.set(variable, value).map_err(raised)?;
+        }
+        let snapshot = Snapshot::new(nominal, saved.progress);
+        let resumed =
+            py.detach(|| amontons::simulation::Simulation::resume(snapshot)).map_err(raised)?;
+        let Ok(mut running) = self.running.try_lock() else {
+            return Err(Error::new_err("this simulation is in use by another thread"));
+        };
+        *running = Some(resumed);
+        Ok(())
+    }
+}

@@ -1,0 +1,226 @@
+//! Stability of contact states: eigenvalues, loci, candidates, verdicts.
+
+use crate::errors::raised;
+use crate::interrupt::watched;
+use crate::scene::Scene;
+use amontons::Error;
+use amontons::contact::{ContactState, JoinedStates, parse_states};
+use amontons::simulation::at_instant;
+use amontons::stability::Spectrum;
+use amontons_analysis::assign::assign;
+use amontons_analysis::instant::{require_undriven, signals_left_out};
+use amontons_analysis::stability::candidates::bistability;
+use amontons_analysis::stability::locus as loci;
+use amontons_analysis::stability::{Linearised, StateClasses, map};
+use amontons_analysis::sweep::FRICTION;
+use nalgebra::Complex;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::borrow::Cow;
+
+/// The scene with this friction coefficient at time `at` (s), as eigenvalues need it.
+fn linearised(scene: &Scene, friction: Option<f64>, at: f64) -> Result<Cow<'_, Linearised>, Error> {
+    if friction.is_none() && scene.scene.signals.is_empty() {
+        return Ok(Cow::Borrowed(scene.linearised()));
+    }
+    let mut changed = scene.scene.clone();
+    if let Some(friction) = friction {
+        assign(&mut changed, FRICTION, friction)?;
+    }
+    let changed = at_instant(&changed, at)?;
+    changed.check()?;
+    Ok(Cow::Owned(Linearised::of(&changed)))
+}
+
+/// The contact state of this name, or uniform sliding.
+fn states_of(name: Option<&str>, here: &Linearised) -> Result<Vec<ContactState>, Error> {
+    match name {
+        Some(name) => parse_states(name, here.model().contacts.len()),
+        None => here.uniform_sliding(),
+    }
+}
+
+fn all(spectrum: Spectrum) -> Vec<Complex<f64>> {
+    let real = spectrum.real.into_iter().map(|value| Complex::new(value, 0.0));
+    spectrum.oscillating.into_iter().chain(real).collect()
+}
+
+/// Eigenvalues of a contact state, 1/s: those with a positive imaginary part by frequency, then the real ones.
+#[pyfunction]
+#[pyo3(signature = (scene, state=None, friction=None, at=0.0))]
+pub fn eigenvalues<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    state: Option<&str>,
+    friction: Option<f64>,
+    at: f64,
+) -> PyResult<Bound<'py, PyArray1<Complex<f64>>>> {
+    let found = py.detach(|| {
+        let here = linearised(scene, friction, at)?;
+        let states = states_of(state, &here)?;
+        Spectrum::of(here.linear()?, &states)
+    });
+    Ok(all(found.map_err(raised)?).into_pyarray(py))
+}
+
+/// Eigenvalues of a contact state, 1/s, and the shapes of their modes, one row for each mode.
+#[pyfunction]
+#[pyo3(signature = (scene, state=None, friction=None, at=0.0))]
+#[allow(clippy::type_complexity)]
+pub fn modes<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    state: Option<&str>,
+    friction: Option<f64>,
+    at: f64,
+) -> PyResult<(Bound<'py, PyArray1<Complex<f64>>>, Bound<'py, PyArray2<Complex<f64>>>)> {
+    let (values, shapes, dofs) = py
+        .detach(|| {
+            let here = linearised(scene, friction, at)?;
+            let states = states_of(state, &here)?;
+            let found = amontons_analysis::stability::modes(here.linear()?, &states)?;
+            let values: Vec<_> = found.all().map(|mode| mode.eigenvalue).collect();
+            let shapes: Vec<_> = found.all().flat_map(|mode| mode.shape.iter().copied()).collect();
+            Ok((values, shapes, here.model().dofs()))
+        })
+        .map_err(raised)?;
+    let shape = [values.len(), dofs];
+    Ok((values.into_pyarray(py), shapes.into_pyarray(py).reshape(shape)?))
+}
+
+/// All contact states with their eigenvalues, 1/s.
+#[pyfunction]
+#[pyo3(signature = (scene, friction=None, at=0.0, progress=None))]
+#[allow(clippy::needless_pass_by_value, clippy::type_complexity)]
+pub fn states<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    friction: Option<f64>,
+    at: f64,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Vec<(String, Bound<'py, PyArray1<Complex<f64>>>)>> {
+    let found = watched(py, progress.as_ref(), |_| {
+        let here = linearised(scene, friction, at)?;
+        let classes = StateClasses::of(here.model())?;
+        let spectra = classes.spectra(here.linear()?, &|_| {})?;
+        let found = classes
+            .states
+            .iter()
+            .map(|(states, class)| (JoinedStates(states).to_string(), spectra[*class].clone()));
+        Ok(found.collect::<Vec<_>>())
+    })?
+    .map_err(raised)?;
+    Ok(found.into_iter().map(|(name, spectrum)| (name, all(spectrum).into_pyarray(py))).collect())
+}
+
+/// Modes of a contact state followed over the values of a parameter.
+#[pyfunction]
+#[pyo3(signature = (scene, name, values, state=None, at=0.0, progress=None))]
+#[allow(clippy::needless_pass_by_value)]
+pub fn locus<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    name: &str,
+    values: Vec<f64>,
+    state: Option<&str>,
+    at: f64,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    require_undriven(&scene.scene, name).map_err(raised)?;
+    let found = watched(py, progress.as_ref(), |watch| {
+        let with = |value: f64| {
+            let mut scene = scene.scene.clone();
+            assign(&mut scene, name, value)?;
+            let scene = at_instant(&scene, at)?;
+            scene.check()?;
+            Ok(Linearised::of(&scene))
+        };
+        let states = states_of(state, &with(values[0])?)?;
+        let interrupted = || Error::analysis("interrupted");
+        let at = |value: f64| if watch.is_over() { Err(interrupted()) } else { with(value) };
+        #[allow(clippy::cast_precision_loss)]
+        let done = |done: usize, of: usize| (watch.progress)(done as f64 / of as f64);
+        loci::locus(&at, &states, &values, &done)
+    })?
+    .map_err(raised)?;
+    let result = PyDict::new(py);
+    let branches = found.branches.len();
+    let flat: Vec<Complex<f64>> = found.branches.iter().flatten().map(|root| root.lambda).collect();
+    result.set_item("eigenvalue", flat.into_pyarray(py).reshape([branches, values.len()])?)?;
+    let crossings = found.crossings.iter().map(|crossing| {
+        (crossing.value, crossing.mode, crossing.frequency_hz, crossing.becomes_unstable)
+    });
+    result.set_item("crossings", crossings.collect::<Vec<_>>())?;
+    let mergings = found
+        .coalescences
+        .iter()
+        .map(|merging| (merging.value, merging.modes, merging.frequency_hz, merging.merge));
+    result.set_item("mergings", mergings.collect::<Vec<_>>())?;
+    result.set_item("undecided", found.undecided)?;
+    Ok(result)
+}
+
+/// Ranges of µ in which uniform sliding is stable, and those in which modes of other states grow meanwhile.
+#[pyfunction]
+#[pyo3(signature = (scene, range, at=0.0, progress=None))]
+#[allow(clippy::needless_pass_by_value)]
+pub fn candidates<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    range: [f64; 2],
+    at: f64,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    require_undriven(&scene.scene, FRICTION).map_err(raised)?;
+    let found = watched(py, progress.as_ref(), |_| {
+        bistability(&at_instant(&scene.scene, at)?, range, &|_| {})
+    })?
+    .map_err(raised)?;
+    let result = PyDict::new(py);
+    result.set_item("range", found.range)?;
+    result.set_item("equilibrium", found.equilibrium)?;
+    result.set_item("stable", found.stable)?;
+    let crossings = found.uniform.iter().map(|crossing| {
+        (crossing.value, crossing.mode, crossing.frequency_hz, crossing.becomes_unstable)
+    });
+    result.set_item("crossings", crossings.collect::<Vec<_>>())?;
+    let rows = found.candidates.iter().map(|candidate| {
+        let row = PyDict::new(py);
+        row.set_item("state", JoinedStates(&candidate.states).to_string())?;
+        row.set_item("alike", candidate.alike)?;
+        row.set_item("range", candidate.range)?;
+        row.set_item("begins", candidate.begins)?;
+        row.set_item("frequency", candidate.frequency_hz)?;
+        row.set_item("frequency_at_end", candidate.at_end[0])?;
+        row.set_item("growth_rate_at_end", candidate.at_end[1])?;
+        row.set_item("energy", candidate.reach.map(|reach| reach.energy))?;
+        row.set_item("push", candidate.reach.map(|reach| reach.push))?;
+        Ok(row)
+    });
+    result.set_item("candidates", rows.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(result)
+}
+
+/// The equilibrium in uniform sliding: displacements (m), normal and friction forces (N).
+#[pyfunction]
+#[pyo3(signature = (scene, at=0.0))]
+#[allow(clippy::type_complexity)]
+pub fn equilibrium<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    at: f64,
+) -> PyResult<[Bound<'py, PyArray1<f64>>; 3]> {
+    let found =
+        py.detach(|| linearised(scene, None, at)?.equilibrium().cloned()).map_err(raised)?;
+    let parts = [found.displacement, found.normal_force, found.friction_force];
+    Ok(parts.map(|values| values.into_pyarray(py)))
+}
+
+/// The verdict on uniform sliding, in words, and a sentence on signals that it leaves out.
+#[pyfunction]
+#[pyo3(signature = (scene, at=0.0))]
+pub fn verdict(py: Python<'_>, scene: &Scene, at: f64) -> PyResult<(String, Option<String>)> {
+    let found = py.detach(|| map::verdict(&at_instant(&scene.scene, at)?));
+    Ok((found.map_err(raised)?.to_string(), signals_left_out(&scene.scene, at)))
+}

@@ -1,0 +1,288 @@
+//! Studies: as a whole on this machine's cores, or in pieces that many workers compute.
+//!
+//! A study asks for pieces of work by their keys, round by round. [`Study::plan`] tells the pieces that the next round
+//! lacks, or the result where nothing is missing; [`Study::work`] computes some of them.
+
+use crate::errors::{ArgumentError, raised};
+use crate::interrupt::watched;
+use crate::scene::{IntegratorChoice, Scene, resolved};
+use amontons::Error;
+use amontons::scene::{Experiment, Method};
+use amontons::simulation::at_instant;
+use amontons_analysis::instant::require_undriven;
+use amontons_analysis::orbit::OrbitStart;
+use amontons_analysis::stability::candidates::bistability;
+use amontons_analysis::study::basin::{Axis, Coverage, basin};
+use amontons_analysis::study::perturbation::{Direction, perturbation};
+use amontons_analysis::study::transient::transient;
+use amontons_analysis::study::{
+    BranchQuestion, From, Journal, ObservationRequest, ObservationSettings, Plan, Push, Question,
+    Watch, branches, continuation, initial_value, limit_cycles, orbit, pace,
+};
+use amontons_analysis::sweep::{FRICTION, Possible};
+use pyo3::prelude::*;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::collections::HashSet;
+
+/// Relative resolution of the boundary from which an orbit is looked for.
+const BOUNDARY: f64 = 1e-10;
+
+/// A study of a scene.
+#[pyclass(frozen, module = "amontons._core")]
+pub struct Study {
+    scene: amontons::scene::Scene,
+    request: Request,
+}
+
+/// What a study is asked for.
+#[derive(Clone, Debug, Deserialize)]
+struct Request {
+    of: Option<String>,
+    interval: Option<f64>,
+    window: Option<f64>,
+    longest: Option<f64>,
+    integrator: IntegratorChoice,
+    #[serde(flatten)]
+    kind: Kind,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "study", rename_all = "kebab-case")]
+enum Kind {
+    LimitCycles { parameter: String, values: Vec<f64>, resolution: f64, portraits: Vec<f64> },
+    Perturbations { parameter: String, values: Vec<f64>, resolution: f64 },
+    Basin { x: (String, Vec<f64>), y: (String, Vec<f64>), every_point: bool },
+    Continuation { values: Vec<f64>, resolution: Option<f64> },
+    Orbit { start: Start },
+    Branches { parameter: String, range: [f64; 2], starts: Vec<Start>, points: usize },
+    Transient { stop_time: Option<f64>, output_interval: Option<f64> },
+}
+
+/// The motion from which an orbit is looked for.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Start {
+    Run,
+    Mode(usize),
+    Between(String, [f64; 2]),
+    Orbit(Box<OrbitStart>),
+}
+
+impl Start {
+    fn from(&self, scene: &amontons::scene::Scene) -> Result<From, Error> {
+        Ok(match self {
+            Self::Run => From::Run,
+            Self::Mode(number) => From::Mode(*number),
+            Self::Between(name, [a, b]) => From::Boundary(Direction {
+                name: initial_value(scene, name)?,
+                amplitudes: vec![a.min(*b), a.max(*b)],
+                resolution: BOUNDARY,
+            }),
+            Self::Orbit(known) => From::Orbit(known.clone()),
+        })
+    }
+}
+
+#[pymethods]
+impl Study {
+    /// A study that is asked for as JSON.
+    #[new]
+    fn new(scene: &Scene, request: &str) -> PyResult<Self> {
+        let request: Request = serde_json::from_str(request)
+            .map_err(|error| ArgumentError::new_err(format!("this is no study: {error}")))?;
+        let mut request = request;
+        if !request.integrator.is_given() {
+            request.integrator = scene.integrator.clone();
+        }
+        Ok(Self { scene: scene.scene.clone(), request })
+    }
+
+    /// The whole study on this machine's cores, as JSON.
+    #[pyo3(signature = (progress=None))]
+    #[allow(clippy::needless_pass_by_value)]
+    fn run(&self, py: Python<'_>, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
+        let journal = Journal::forgotten();
+        let found = watched(py, progress.as_ref(), |watch| {
+            self.request.found(&self.scene, &journal, watch)
+        })?;
+        let found = found.map_err(raised)?;
+        Ok(found.map(|found| found.to_string()).expect("nothing has ended the study"))
+    }
+
+    /// With the pieces that are known, by key and JSON: the result as JSON, the keys of all pieces that the study asks for,
+    /// and of those that are missing.
+    fn plan(
+        &self,
+        py: Python<'_>,
+        known: Vec<(String, String)>,
+    ) -> PyResult<(Option<String>, Vec<String>, Vec<String>)> {
+        let journal = journal(known)?.shared(|_| false);
+        let found =
+            py.detach(|| self.request.found(&self.scene, &journal, Watch::IDLE)).map_err(raised)?;
+        Ok((found.map(|found| found.to_string()), journal.asked(), journal.missing()))
+    }
+
+    /// Computes the missing pieces that are `ours`, and those of later rounds to which they lead. `others`: the missing
+    /// pieces of this round that other workers compute. The new pieces by key and JSON.
+    #[pyo3(signature = (known, ours, others))]
+    fn work(
+        &self,
+        py: Python<'_>,
+        known: Vec<(String, String)>,
+        ours: HashSet<String>,
+        others: HashSet<String>,
+    ) -> PyResult<Vec<(String, String)>> {
+        let before: HashSet<String> = known.iter().map(|(key, _)| key.clone()).collect();
+        let journal =
+            journal(known)?.shared(move |key| ours.contains(key) || !others.contains(key));
+        let found = watched(py, None, |watch| {
+            self.request.found(&self.scene, &journal, watch).map(|_| ())
+        })?;
+        found.map_err(raised)?;
+        let new = journal.pieces().into_iter().filter(|(key, _)| !before.contains(key));
+        Ok(new.map(|(key, piece)| (key, piece.to_string())).collect())
+    }
+}
+
+fn journal(known: Vec<(String, String)>) -> PyResult<Journal> {
+    let piece = |(key, piece): (String, String)| {
+        serde_json::from_str::<Value>(&piece).map(|piece| (key, piece)).map_err(|error| {
+            ArgumentError::new_err(format!("a piece of a study is damaged: {error}"))
+        })
+    };
+    Ok(Journal::of(known.into_iter().map(piece).collect::<PyResult<Vec<_>>>()?))
+}
+
+impl Request {
+    /// The observation settings of a scene, which gets the method and step of the study: those that are given, or exact
+    /// motion with a step of one observation interval; a basin keeps those of the scene.
+    fn prepare(&self, scene: &mut amontons::scene::Scene) -> Result<ObservationSettings, Error> {
+        let request = ObservationRequest {
+            of: self.of.as_deref(),
+            interval: self.interval,
+            window: self.window,
+            longest: self.longest,
+        };
+        let observation = ObservationSettings::of(scene, &request)?;
+        match &self.integrator {
+            IntegratorChoice { method: None, step: None, preset: None } => {
+                if !matches!(self.kind, Kind::Basin { .. }) {
+                    pace(scene, &observation);
+                }
+            }
+            IntegratorChoice { method: Some(Method::EventDriven), step: None, preset: None } => {
+                scene.set_integrator(Some(Method::EventDriven), Some(observation.interval))?;
+            }
+            given => given.apply(scene)?,
+        }
+        *scene = resolved(scene.clone());
+        Ok(observation)
+    }
+
+    /// The result; `None` if the watch ended the study, or where pieces are missing.
+    fn found(
+        &self,
+        given: &amontons::scene::Scene,
+        journal: &Journal,
+        watch: Watch<'_>,
+    ) -> Result<Option<Value>, Error> {
+        let mut scene = given.clone();
+        if let Kind::Transient { stop_time, output_interval } = &self.kind {
+            self.integrator.apply(&mut scene)?;
+            scene = resolved(scene);
+            let experiment = Experiment {
+                stop_time: stop_time.unwrap_or(scene.experiment.stop_time),
+                output_interval: output_interval.unwrap_or(scene.experiment.output_interval),
+            };
+            let found = transient(&scene, experiment, self.of.as_deref(), watch)?;
+            return Ok(Some(json!(found)));
+        }
+        let observation = self.prepare(&mut scene)?;
+        let found = match &self.kind {
+            Kind::LimitCycles { parameter, values, resolution, portraits } => {
+                let possible = Possible::of(&scene, parameter, values)?;
+                let question = Question {
+                    name: parameter.clone(),
+                    values: possible.values,
+                    resolution: *resolution,
+                    portraits: Some(portraits.clone()),
+                    contacts: usize::MAX,
+                };
+                // Method and step that were chosen once hold for all values.
+                let prepare = |scene: &mut amontons::scene::Scene| match self.integrator.is_given()
+                {
+                    true => self.prepare(&mut scene.clone()),
+                    false => self.prepare(scene),
+                };
+                limit_cycles(&scene, &prepare, &question, journal, watch)?
+                    .map(|found| json!({ "values": question.values, "found": found }))
+            }
+            Kind::Perturbations { parameter, values, resolution } => {
+                let direction = Direction {
+                    name: initial_value(&scene, parameter)?,
+                    amplitudes: values.clone(),
+                    resolution: *resolution,
+                };
+                perturbation(&scene, &direction, &observation, journal, watch)?
+                    .map(|found| json!(found))
+            }
+            Kind::Basin { x, y, every_point } => {
+                let axis = |(name, values): &(String, Vec<f64>)| Axis {
+                    name: name.clone(),
+                    values: values.clone(),
+                };
+                let coverage = if *every_point { Coverage::EveryPoint } else { Coverage::Traced };
+                basin(&scene, [&axis(x), &axis(y)], &observation, coverage, journal, watch)?
+                    .map(|found| json!(found))
+            }
+            Kind::Continuation { values, resolution } => {
+                let values = Possible::of(&scene, FRICTION, values)?.values;
+                let [first, second, ..] = values[..] else {
+                    return Err(Error::argument("a continuation needs at least two values"));
+                };
+                let resolution = resolution.unwrap_or(0.01 * (second - first));
+                let push = Push::of(&scene);
+                require_undriven(&scene, FRICTION)?;
+                let range = [first, values[values.len() - 1]];
+                let known = bistability(&at_instant(&scene, 0.0)?, range, &|_| {});
+                let candidates = known.as_ref().map_or(&[][..], |known| &known.candidates);
+                let plan = Plan {
+                    scene: &scene,
+                    observation: &observation,
+                    values: &values,
+                    resolution,
+                    push,
+                    candidates,
+                };
+                continuation(&plan, journal, watch)?.map(|found| json!(found))
+            }
+            Kind::Orbit { start } => {
+                let found = orbit(&scene, &observation, &start.from(&scene)?, journal, watch)
+                    .map_err(|unfound| unfound.error)?;
+                found.map(|found| {
+                    json!({
+                        "orbit": found.orbit,
+                        "stable": found.orbit.is_stable(),
+                        "ending": found.ending,
+                        "boundary": found.boundary,
+                    })
+                })
+            }
+            Kind::Branches { parameter, range, starts, points } => {
+                let starts = starts.iter().zip(1..).map(|(start, number): (_, u32)| {
+                    Ok((format!("start {number}"), start.from(&scene)?))
+                });
+                let question = BranchQuestion {
+                    name: parameter.clone(),
+                    range: *range,
+                    starts: starts.collect::<Result<_, Error>>()?,
+                    most_points: *points,
+                };
+                branches(&scene, &observation, &question, journal, watch)?.map(|found| json!(found))
+            }
+            Kind::Transient { .. } => unreachable!("it is made above"),
+        };
+        Ok(found.map(|found| json!({ "scene": scene.name, "look": observation, "result": found })))
+    }
+}
