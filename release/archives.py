@@ -6,11 +6,15 @@ import hashlib
 import io
 import tarfile
 import time
+import tomllib
 import zipfile
+from pathlib import Path
+
 import tools
 from tools import PACKAGES, ROOT, VERSION
 
 EXECUTABLE, PLAIN = 0o755, 0o644
+PYTHON = ROOT / "crates/python"
 THIRD_PARTY = "LICENSES-THIRD-PARTY.txt"
 
 
@@ -56,20 +60,30 @@ def zipped(files):
     return packed.getvalue()
 
 
-def wheel(programs, platform, licences):
-    """A wheel whose scripts are the programs: pip puts them on the path."""
+def wheel(programs, module, platform, licences):
+    """A wheel with the Python module, whose compiled part is `module`, and with the programs as its scripts: pip puts
+    them on the path."""
+    project = tomllib.loads((PYTHON / "pyproject.toml").read_text())["project"]
     stem = f"amontons-{VERSION}"
-    tag = f"py3-none-{platform}"
+    # The stable interface of CPython from 3.10 on.
+    tag = f"cp310-abi3-{platform}"
     info = f"{stem}.dist-info"
+    needed = [f"Requires-Dist: {package}\n" for package in project["dependencies"]]
+    for extra, packages in project["optional-dependencies"].items():
+        needed.append(f"Provides-Extra: {extra}\n")
+        needed += [f"Requires-Dist: {package}; extra == '{extra}'\n" for package in packages]
     metadata = (
         f"Metadata-Version: 2.4\nName: amontons\nVersion: {VERSION}\n"
-        "Summary: Friction contact dynamics of lumped models, packaged as FMI 2.0 co-simulation FMUs\n"
+        f"Summary: {project['description']}\nRequires-Python: {project['requires-python']}\n{''.join(needed)}"
         "License-Expression: MIT OR Apache-2.0\nLicense-File: LICENSE-APACHE\nLicense-File: LICENSE-MIT\n"
         f"License-File: {THIRD_PARTY}\n"
         f"Description-Content-Type: text/markdown\n\n{(ROOT / 'README.md').read_text()}"
     )
     about = f"Wheel-Version: 1.0\nGenerator: amontons-release\nRoot-Is-Purelib: false\nTag: {tag}\n"
-    files = [(f"{stem}.data/scripts/{program.name}", program.read_bytes(), EXECUTABLE) for program in programs]
+    sources = tools.output(["git", "ls-files", PYTHON / "python/amontons"]).splitlines()
+    files = [(f"amontons/{Path(name).name}", (ROOT / name).read_bytes(), PLAIN) for name in sorted(sources)]
+    files.append((f"amontons/_core{module.suffix.replace('.so', '.abi3.so')}", module.read_bytes(), EXECUTABLE))
+    files += [(f"{stem}.data/scripts/{program.name}", program.read_bytes(), EXECUTABLE) for program in programs]
     files += [(f"{info}/METADATA", metadata.encode(), PLAIN), (f"{info}/WHEEL", about.encode(), PLAIN)]
     for licence in ["LICENSE-APACHE", "LICENSE-MIT"]:
         files.append((f"{info}/licenses/{licence}", (ROOT / licence).read_bytes(), PLAIN))

@@ -83,6 +83,9 @@ def place(built, destination, check):
         shutil.copyfile(built, destination)
 
 
+MODULE = ["--package", "amontons-python", "--lib"]
+
+
 def bins():
     return ["--package", "amontons-cli"] + [argument for name in PROGRAMS for argument in ("--bin", name)]
 
@@ -95,6 +98,20 @@ def linux_programs():
 def windows_programs():
     for_windows("build", "--release", *bins())
     return checked([windows_program(name) for name in PROGRAMS], checks.windows)
+
+
+def linux_module():
+    """The compiled part of the Python module."""
+    for_linux("zigbuild", "--release", *MODULE)
+    return checked([BUILT_BY_ZIG / LINUX / "release" / "lib_core.so"], checks.linux)[0]
+
+
+def windows_module():
+    for_windows("build", "--release", *MODULE)
+    built = BUILT_BY_DEBIAN / WINDOWS / "release"
+    # Python wants another ending.
+    module = shutil.copyfile(built / "_core.dll", built / "_core.pyd")
+    return checked([module], checks.windows)[0]
 
 
 def linux_program(name=PROGRAMS[0]):

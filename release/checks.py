@@ -14,7 +14,8 @@ INEXACT = re.compile(
 # Part of Windows 10 and later.
 WINDOWS = re.compile(
     r"(kernel32|ntdll|msvcrt|advapi32|userenv|ws2_32|bcrypt|bcryptprimitives|user32|shell32|ole32|dwrite|gdi32"
-    r"|api-ms-win-[a-z0-9-]+)\.dll"
+    # The Python that loads the module.
+    r"|api-ms-win-[a-z0-9-]+|python3)\.dll"
 )
 
 

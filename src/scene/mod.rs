@@ -60,7 +60,7 @@ pub use ring::{MAX_MODULES, Module};
 pub(crate) use roles::Group;
 pub use roles::{ForceRole, Role, Roles};
 pub use rule::Rule;
-pub use selection::{Preset, Selection};
+pub use selection::{IntegratorChoice, Preset, Selection};
 pub use signal::{Between, Constant, Pulse, Ramp, Shape, Signal, Sine, Table};
 pub use source::{Folder, Source};
 pub use time_table::TimeTable;

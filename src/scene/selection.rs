@@ -5,6 +5,8 @@
 //! event-driven motion with another step differs from itself by more than 5 %, it is the relative error of amplitude
 //! or frequency, whichever is larger.
 
+use super::{Method, Scene};
+use crate::Error;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -49,6 +51,32 @@ impl Preset {
 impl fmt::Display for Preset {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+/// A choice of method, step or preset in place of a scene's own; what is `None` stays as it is.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct IntegratorChoice {
+    /// The method.
+    pub method: Option<Method>,
+    /// The internal step, s.
+    pub step: Option<f64>,
+    /// The preset that chooses both, in place of them.
+    pub preset: Option<Preset>,
+}
+
+impl IntegratorChoice {
+    /// Gives a scene this choice.
+    ///
+    /// # Errors
+    /// Returns an error if a method is given without a step, or a step without a method, for a scene that chooses both.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
+        match self.preset {
+            Some(preset) => scene.selection = Selection::Preset(preset),
+            None => scene.set_integrator(self.method, self.step)?,
+        }
+        Ok(())
     }
 }
 

@@ -20,7 +20,7 @@ pub use cost::Cost;
 use crate::decimal::{one_two_five, to_significant};
 use crate::integrator::{EventDriven, Method};
 use crate::model::LumpedModel;
-use crate::scene::Scene;
+use crate::scene::{Scene, Selection};
 use crate::stability::{StepGuard, highest_frequency};
 use std::f64::consts::TAU;
 use std::fmt;
@@ -93,6 +93,14 @@ impl fmt::Display for Selected {
              {operations:.1e} operations)"
         )
     }
+}
+
+/// Gives a scene the method and step that its tolerance chooses, if a tolerance chooses them; returns the choice.
+pub fn resolve(scene: &mut Scene) -> Option<Selected> {
+    let selected = select(scene, scene.selection.tolerance()?);
+    (scene.method, scene.step, scene.selection) =
+        (selected.method, selected.step, Selection::Given);
+    Some(selected)
 }
 
 /// Chooses method and step for a scene's experiment by a tolerance, with the values as given. The choice is the same on

@@ -4,7 +4,7 @@ use crate::errors::raised;
 use crate::interrupt::watched;
 use crate::scene::Scene;
 use amontons::Error;
-use amontons::scene::Selection;
+use amontons::scene::{IntegratorChoice, Selection};
 use amontons::simulation::Simulation;
 use amontons_analysis::output::{AtomicFile, check_folder};
 use amontons_export::documentation::{Subject, documentation, reference_run};
@@ -41,7 +41,7 @@ pub fn export(
     let written = watched(py, progress.as_ref(), |watch| {
         check_folder(&path)?;
         let mut source = scene.source.clone();
-        if scene.integrator.is_given() {
+        if scene.integrator != IntegratorChoice::default() {
             match scene.scene.selection {
                 Selection::Preset(preset) => files::set_preset(&mut source, preset)?,
                 _ => files::set_integrator(&mut source, scene.scene.method, scene.scene.step)?,

@@ -58,24 +58,23 @@ pub fn outputs_of(
     scene: &amontons::scene::Scene,
     names: Option<&[String]>,
 ) -> Result<Vec<Variable>, Error> {
-    let mut known = variables(scene);
+    let known = variables(scene);
     let Some(names) = names else {
-        known.retain(|variable| variable.causality == Causality::Output);
-        return Ok(known);
+        let is_output = |variable: &Variable| variable.causality == Causality::Output;
+        return Ok(known.into_iter().filter(is_output).collect());
     };
-    names.iter().map(|name| variable(&known, name).cloned()).collect()
+    let named = |name: &String| {
+        let found = known.iter().find(|variable| variable.name == *name).cloned();
+        found.ok_or_else(|| no_variable(name, known.iter().map(|variable| &*variable.name)))
+    };
+    names.iter().map(named).collect()
 }
 
-/// The variable of this name.
-///
-/// # Errors
-/// Returns an error with the nearest name if there is none.
-pub fn variable<'a>(known: &'a [Variable], name: &str) -> Result<&'a Variable, Error> {
-    known.iter().find(|variable| variable.name == name).ok_or_else(|| {
-        let help = did_you_mean(name, known.iter().map(|variable| &*variable.name));
-        let help = help.unwrap_or_else(|| "`scene.variables` lists all names".to_owned());
-        Error::argument(format!("there is no variable {name}; {help}"))
-    })
+/// The error of a name that no variable has, with the nearest one.
+pub fn no_variable<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Error {
+    let help = did_you_mean(name, known);
+    let help = help.unwrap_or_else(|| "`scene.variables` lists all names".to_owned());
+    Error::argument(format!("there is no variable {name}; {help}"))
 }
 
 /// Times, a column for each output, and warnings.

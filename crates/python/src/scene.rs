@@ -1,8 +1,8 @@
 //! Scenes as Python has them: a file's text, values that were changed, and a choice of method and step.
 
 use crate::errors::raised;
-use amontons::scene::{BUILTIN, Method, Preset, Selection, Source, named};
-use amontons::selection::select;
+use amontons::scene::{BUILTIN, IntegratorChoice, Method, Preset, Source, named};
+use amontons::selection::resolve;
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{fingerprint, variables};
 use amontons_analysis::assign::{assign, value_of};
@@ -12,7 +12,6 @@ use amontons_export::scene as files;
 use amontons_pictures::picture::Structure;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use serde::Deserialize;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -30,30 +29,6 @@ pub struct Scene {
     linearised: OnceLock<Linearised>,
 }
 
-/// A choice of method, step (s) or preset; nothing for those of the scene.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-#[serde(default)]
-pub struct IntegratorChoice {
-    pub method: Option<Method>,
-    pub step: Option<f64>,
-    pub preset: Option<Preset>,
-}
-
-impl IntegratorChoice {
-    pub fn is_given(&self) -> bool {
-        *self != Self::default()
-    }
-
-    /// Gives the scene this method and step.
-    pub fn apply(&self, scene: &mut amontons::scene::Scene) -> Result<(), amontons::Error> {
-        match self.preset {
-            Some(preset) => scene.selection = Selection::Preset(preset),
-            None => scene.set_integrator(self.method, self.step)?,
-        }
-        Ok(())
-    }
-}
-
 impl Scene {
     fn new((scene, source): (amontons::scene::Scene, Source)) -> Self {
         Self {
@@ -67,23 +42,15 @@ impl Scene {
 
     /// The scene with the method and step that its tolerance chooses, if it has one.
     pub fn resolved(&self) -> amontons::scene::Scene {
-        resolved(self.scene.clone())
+        let mut scene = self.scene.clone();
+        resolve(&mut scene);
+        scene
     }
 
     /// The scene as eigenvalues need it.
     pub fn linearised(&self) -> &Linearised {
         self.linearised.get_or_init(|| Linearised::of(&self.scene))
     }
-}
-
-/// The scene with the method and step that its tolerance chooses, if it has one.
-pub fn resolved(mut scene: amontons::scene::Scene) -> amontons::scene::Scene {
-    if let Some(tolerance) = scene.selection.tolerance() {
-        let selected = select(&scene, tolerance);
-        (scene.method, scene.step, scene.selection) =
-            (selected.method, selected.step, Selection::Given);
-    }
-    scene
 }
 
 #[pymethods]

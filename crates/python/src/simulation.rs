@@ -1,7 +1,7 @@
 //! A motion that is advanced step by step.
 
 use crate::errors::{Error, raised};
-use crate::run::variable;
+use crate::run::no_variable;
 use crate::scene::Scene;
 use amontons::simulation::{Parameters, Progress, Snapshot, Variable, fingerprint, variables};
 use numpy::{IntoPyArray, PyArray1};
@@ -57,12 +57,9 @@ impl Simulation {
     }
 
     fn variable(&self, name: &str) -> PyResult<&Variable> {
-        if let Some(known) = self.variables.get(name) {
-            return Ok(known);
-        }
-        let mut known: Vec<Variable> = self.variables.values().cloned().collect();
-        known.sort_by(|a, b| a.name.cmp(&b.name));
-        Err(variable(&known, name).map(|_| ()).map_err(raised).err().expect("it is not known"))
+        self.variables
+            .get(name)
+            .ok_or_else(|| raised(no_variable(name, self.variables.keys().map(String::as_str))))
     }
 }
 

@@ -5,9 +5,10 @@
 
 use crate::errors::{ArgumentError, raised};
 use crate::interrupt::watched;
-use crate::scene::{IntegratorChoice, Scene, resolved};
+use crate::scene::Scene;
 use amontons::Error;
-use amontons::scene::{Experiment, Method};
+use amontons::scene::{Experiment, IntegratorChoice};
+use amontons::selection::resolve;
 use amontons::simulation::at_instant;
 use amontons_analysis::instant::require_undriven;
 use amontons_analysis::orbit::OrbitStart;
@@ -17,7 +18,7 @@ use amontons_analysis::study::perturbation::{Direction, perturbation};
 use amontons_analysis::study::transient::transient;
 use amontons_analysis::study::{
     BranchQuestion, From, Journal, ObservationRequest, ObservationSettings, Plan, Push, Question,
-    Watch, branches, continuation, initial_value, limit_cycles, orbit, pace,
+    Watch, branches, continuation, derive_pace, initial_value, limit_cycles, orbit, pace, set_pace,
 };
 use amontons_analysis::sweep::{FRICTION, Possible};
 use pyo3::prelude::*;
@@ -42,6 +43,8 @@ struct Request {
     interval: Option<f64>,
     window: Option<f64>,
     longest: Option<f64>,
+    /// The scene's own choice.
+    #[serde(skip)]
     integrator: IntegratorChoice,
     #[serde(flatten)]
     kind: Kind,
@@ -92,9 +95,7 @@ impl Study {
         let request: Request = serde_json::from_str(request)
             .map_err(|error| ArgumentError::new_err(format!("this is no study: {error}")))?;
         let mut request = request;
-        if !request.integrator.is_given() {
-            request.integrator = scene.integrator.clone();
-        }
+        request.integrator = scene.integrator.clone();
         Ok(Self { scene: scene.scene.clone(), request })
     }
 
@@ -155,29 +156,15 @@ fn journal(known: Vec<(String, String)>) -> PyResult<Journal> {
 }
 
 impl Request {
-    /// The observation settings of a scene, which gets the method and step of the study: those that are given, or exact
-    /// motion with a step of one observation interval; a basin keeps those of the scene.
-    fn prepare(&self, scene: &mut amontons::scene::Scene) -> Result<ObservationSettings, Error> {
+    /// The settings with which motions are observed.
+    fn observation(&self, scene: &amontons::scene::Scene) -> Result<ObservationSettings, Error> {
         let request = ObservationRequest {
             of: self.of.as_deref(),
             interval: self.interval,
             window: self.window,
             longest: self.longest,
         };
-        let observation = ObservationSettings::of(scene, &request)?;
-        match &self.integrator {
-            IntegratorChoice { method: None, step: None, preset: None } => {
-                if !matches!(self.kind, Kind::Basin { .. }) {
-                    pace(scene, &observation);
-                }
-            }
-            IntegratorChoice { method: Some(Method::EventDriven), step: None, preset: None } => {
-                scene.set_integrator(Some(Method::EventDriven), Some(observation.interval))?;
-            }
-            given => given.apply(scene)?,
-        }
-        *scene = resolved(scene.clone());
-        Ok(observation)
+        ObservationSettings::of(scene, &request)
     }
 
     /// The result; `None` if the watch ended the study, or where pieces are missing.
@@ -190,7 +177,7 @@ impl Request {
         let mut scene = given.clone();
         if let Kind::Transient { stop_time, output_interval } = &self.kind {
             self.integrator.apply(&mut scene)?;
-            scene = resolved(scene);
+            resolve(&mut scene);
             let experiment = Experiment {
                 stop_time: stop_time.unwrap_or(scene.experiment.stop_time),
                 output_interval: output_interval.unwrap_or(scene.experiment.output_interval),
@@ -198,7 +185,11 @@ impl Request {
             let found = transient(&scene, experiment, self.of.as_deref(), watch)?;
             return Ok(Some(json!(found)));
         }
-        let observation = self.prepare(&mut scene)?;
+        let observation = self.observation(&scene)?;
+        // A basin keeps the scene's own method.
+        let default =
+            if matches!(self.kind, Kind::Basin { .. }) { |_: &mut _, _: &_| {} } else { pace };
+        set_pace(&mut scene, &self.integrator, &observation, default)?;
         let found = match &self.kind {
             Kind::LimitCycles { parameter, values, resolution, portraits } => {
                 let possible = Possible::of(&scene, parameter, values)?;
@@ -209,11 +200,10 @@ impl Request {
                     portraits: Some(portraits.clone()),
                     contacts: usize::MAX,
                 };
-                // Method and step that were chosen once hold for all values.
-                let prepare = |scene: &mut amontons::scene::Scene| match self.integrator.is_given()
-                {
-                    true => self.prepare(&mut scene.clone()),
-                    false => self.prepare(scene),
+                let prepare = |scene: &mut amontons::scene::Scene| {
+                    let observation = self.observation(scene)?;
+                    derive_pace(scene, &self.integrator, &observation, pace)?;
+                    Ok(observation)
                 };
                 limit_cycles(&scene, &prepare, &question, journal, watch)?
                     .map(|found| json!({ "values": question.values, "found": found }))

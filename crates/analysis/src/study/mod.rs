@@ -75,7 +75,9 @@ pub use limit_cycle::{
     Change, LimitCycles, MotionBracket, Outcome, Question, Regime, limit_cycles,
 };
 pub use long_term::{Kind, LongTermMotion};
-pub use observation::{ObservationRequest, ObservationSettings, Prepare, output, pace, unit};
+pub use observation::{
+    ObservationRequest, ObservationSettings, Prepare, derive_pace, output, pace, set_pace, unit,
+};
 pub use orbit::{FoundOrbit, From, Unfound, orbit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;

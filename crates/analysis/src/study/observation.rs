@@ -7,7 +7,8 @@ use amontons::Error;
 use amontons::error::Short;
 use amontons::integrator::EventDriven;
 use amontons::model::LumpedModel;
-use amontons::scene::{Method, Scene, Selection};
+use amontons::scene::{IntegratorChoice, Method, Scene, Selection};
+use amontons::selection::{Selected, resolve};
 use serde::Serialize;
 
 /// Periods of the slowest mode in a window. The resolution of lines is then 4/50 of its frequency: nearer ones are
@@ -167,6 +168,45 @@ pub fn pace(scene: &mut Scene, observation: &ObservationSettings) {
         (scene.method, scene.step) = (Method::EventDriven, observation.interval);
         scene.selection = Selection::Given;
     }
+}
+
+/// Sets the method and step of a study: those that are chosen; exact motion from row to row if only that method is; and
+/// those that `default` sets if nothing is chosen. A tolerance chooses the step once, for the scene as it is given, so
+/// that all runs have the same step; that choice is returned.
+///
+/// # Errors
+/// Returns an error if the scene cannot have this choice ([`IntegratorChoice::apply`]).
+pub fn set_pace(
+    scene: &mut Scene,
+    choice: &IntegratorChoice,
+    observation: &ObservationSettings,
+    default: fn(&mut Scene, &ObservationSettings),
+) -> Result<Option<Selected>, Error> {
+    if !derive_pace(scene, choice, observation, default)? {
+        choice.apply(scene)?;
+    }
+    Ok(resolve(scene))
+}
+
+/// Derives the step of a scene from the settings of its observation, as [`set_pace`] does, unless it is chosen. Returns
+/// `false` if it is.
+///
+/// # Errors
+/// Returns an error if the scene cannot have this choice.
+pub fn derive_pace(
+    scene: &mut Scene,
+    choice: &IntegratorChoice,
+    observation: &ObservationSettings,
+    default: fn(&mut Scene, &ObservationSettings),
+) -> Result<bool, Error> {
+    match choice {
+        IntegratorChoice { method: None, step: None, preset: None } => default(scene, observation),
+        IntegratorChoice { method: Some(Method::EventDriven), step: None, preset: None } => {
+            scene.set_integrator(choice.method, Some(observation.interval))?;
+        }
+        _ => return Ok(false),
+    }
+    Ok(true)
 }
 
 /// The largest 1, 2 or 5 times a power of ten that is not above a value.

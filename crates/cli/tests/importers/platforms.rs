@@ -119,45 +119,6 @@ fn the_libraries_of_a_release_run_on_old_systems_and_give_the_same_doubles_on_bo
     doubles(&program, folder.path());
 }
 
-#[test]
-#[ignore = "makes a Python environment"]
-fn a_wheel_puts_the_programs_on_the_path_and_has_the_same_bytes_whenever_it_is_packed() {
-    let folder = folder();
-    let stability = env!("CARGO_BIN_EXE_amontons-stability");
-    // By the release's own code, of the programs that are there.
-    let pack = |target: &str| {
-        let code = format!(
-            "import archives, pathlib\narchives.wheel([pathlib.Path(p) for p in ({AMONTONS:?}, {stability:?})], \
-             'manylinux_2_17_x86_64', 'licences of others')"
-        );
-        let target = folder.path().join(target);
-        succeed(
-            Command::new("python3")
-                .args(["-B", "-c", &code])
-                .current_dir(format!("{ROOT}/release"))
-                .env("CARGO_TARGET_DIR", &target)
-                .env("SOURCE_DATE_EPOCH", "1700000000"),
-        );
-        let version = env!("CARGO_PKG_VERSION");
-        let name = format!("amontons-{version}-py3-none-manylinux_2_17_x86_64.whl");
-        target.join("release-packages").join(name)
-    };
-    let wheel = pack("one");
-    assert!(fs::read(&wheel).unwrap() == fs::read(pack("other")).unwrap());
-
-    let environment = folder.path().join("environment");
-    succeed(Command::new("python3").args(["-m", "venv"]).arg(&environment));
-    let pip = ["-m", "pip", "install", "--quiet", "--no-index", "--disable-pip-version-check"];
-    succeed(Command::new(environment.join("bin/python")).args(pip).arg(wheel));
-    let bin = environment.join("bin");
-    let installed = |name: &str| Command::new(bin.join(name));
-    let fmu = |name: &str| folder.path().join(name);
-    succeed(installed("amontons").args(["export", "set1", "-o"]).arg(fmu("installed.fmu")));
-    succeed(Command::new(AMONTONS).args(["export", "set1", "-o"]).arg(fmu("here.fmu")));
-    assert!(fs::read(fmu("installed.fmu")).unwrap() == fs::read(fmu("here.fmu")).unwrap());
-    succeed(installed("amontons-stability").arg("--version"));
-}
-
 /// The Python tests in `tests/platforms/`, with a wine of their own.
 fn doubles(program: &Path, folder: &Path) {
     let mingw = |more: &[&str], source: &str, made: &Path| {

@@ -393,7 +393,7 @@ def _observation(
         if value is not None and not 0.0 < float(value) < float("inf"):
             raise _core.ArgumentError(f"{name} = {value!r} is impossible; give a time above zero, in seconds")
     times = {name: None if value is None else float(value) for name, value in settings.items()}
-    return {"of": of, **times, "integrator": {}}
+    return {"of": of, **times}
 
 
 def _start(start: Any) -> Any:

@@ -2,8 +2,7 @@
 
 use crate::export::platforms;
 use crate::study::arguments::Study;
-use amontons::Error;
-use amontons::scene::{Method, Preset, Scene, Selection};
+use amontons::scene::{IntegratorChoice, Method, Preset};
 use amontons_analysis::sweep::range::assignment;
 use amontons_cli::arguments::{Format, Values, named_grid};
 use amontons_export::package::Library;
@@ -194,16 +193,9 @@ fn one_of<T: Copy + Send + Sync>(
 }
 
 impl Integrator {
-    /// Applies the settings of the command line to the scene.
-    ///
-    /// # Errors
-    /// Returns an error if a method is given without a step, or a step without a method, for a scene that chooses both.
-    pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
-        match self.preset {
-            Some(preset) => scene.selection = Selection::Preset(preset),
-            None => scene.set_integrator(self.integrator, self.step)?,
-        }
-        Ok(())
+    /// The settings of the command line.
+    pub fn choice(&self) -> IntegratorChoice {
+        IntegratorChoice { method: self.integrator, step: self.step, preset: self.preset }
     }
 }
 

@@ -115,7 +115,7 @@ fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error
         stop_time: arguments.stop_time.unwrap_or(scene.experiment.stop_time),
         output_interval: arguments.output_interval.unwrap_or(scene.experiment.output_interval),
     };
-    arguments.integrator.apply(&mut scene)?;
+    arguments.integrator.choice().apply(&mut scene)?;
     Scene { experiment, ..scene.clone() }.check()?;
     Ok((scene, experiment))
 }

@@ -2,8 +2,8 @@
 
 use crate::arguments::Simulate;
 use crate::simulate::is_broken_pipe;
-use amontons::scene::{Experiment, Scene, Selection};
-use amontons::selection::select;
+use amontons::scene::{Experiment, Scene};
+use amontons::selection::resolve;
 use amontons_analysis::output::AtomicFile;
 use amontons_analysis::sweep::observed::output;
 use amontons_analysis::sweep::{ENERGIES, Possible, Summary, UnsettledReason, View, sweep};
@@ -21,11 +21,8 @@ pub fn run(
     values: &[f64],
 ) -> Result<(), Box<dyn Error>> {
     // A tolerance chooses the step once, for the scene as it is given, so all values have the same step.
-    if let Some(tolerance) = scene.selection.tolerance() {
-        let selected = select(&scene, tolerance);
+    if let Some(selected) = resolve(&mut scene) {
         eprintln!("{}: {selected}", scene.name);
-        (scene.method, scene.step, scene.selection) =
-            (selected.method, selected.step, Selection::Given);
     }
     scene.experiment = experiment;
     let scene = &scene;

@@ -26,7 +26,7 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
         scene::set_initial(&mut source, &scene)?;
     }
     let given = (scene.selection, scene.method, scene.step);
-    arguments.integrator.apply(&mut scene)?;
+    arguments.integrator.choice().apply(&mut scene)?;
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
     // Before the work: errors of writing and of running the scene.

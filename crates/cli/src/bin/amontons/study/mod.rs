@@ -13,11 +13,10 @@ mod transient;
 
 use amontons::error::Rounded;
 use amontons::numerics::range;
-use amontons::scene::{Method, Scene, Selection, Source};
-use amontons::selection::select;
+use amontons::scene::{Method, Scene, Source};
 use amontons_analysis::assign::assign;
 use amontons_analysis::doubts::doubts_of;
-use amontons_analysis::study::{ObservationSettings, Watch, pace};
+use amontons_analysis::study::{self, ObservationSettings, Watch, derive_pace, pace};
 use amontons_analysis::sweep::range::check_once;
 use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
@@ -83,7 +82,7 @@ fn prepared_again(
     options: &ObservationOptions,
 ) -> Result<ObservationSettings, amontons::Error> {
     let observation = ObservationSettings::of(scene, &options.request())?;
-    follow(scene, common, &observation, pace)?;
+    derive_pace(scene, &common.integrator.choice(), &observation, pace)?;
     Ok(observation)
 }
 
@@ -94,35 +93,11 @@ fn set_pace(
     observation: &ObservationSettings,
     default: fn(&mut Scene, &ObservationSettings),
 ) -> Result<(), amontons::Error> {
-    if !follow(scene, common, observation, default)? {
-        common.integrator.apply(scene)?;
-    }
-    // A tolerance chooses the step once, for the scene as it is given, so all runs have the same step.
-    if let Some(tolerance) = scene.selection.tolerance() {
-        let selected = select(scene, tolerance);
+    let choice = common.integrator.choice();
+    if let Some(selected) = study::set_pace(scene, &choice, observation, default)? {
         eprintln!("{}: {selected}", scene.name);
-        (scene.method, scene.step, scene.selection) =
-            (selected.method, selected.step, Selection::Given);
     }
     Ok(())
-}
-
-/// Derives the step of a scene from the observation settings. Returns `false` if the command line gives the step.
-fn follow(
-    scene: &mut Scene,
-    common: &StudyArguments,
-    observation: &ObservationSettings,
-    default: fn(&mut Scene, &ObservationSettings),
-) -> Result<bool, amontons::Error> {
-    let given = &common.integrator;
-    match (given.integrator, given.step, given.preset) {
-        (None, None, None) => default(scene, observation),
-        (Some(Method::EventDriven), None, None) => {
-            scene.set_integrator(given.integrator, Some(observation.interval))?;
-        }
-        _ => return Ok(false),
-    }
-    Ok(true)
 }
 
 /// Method, step and observation settings of all runs, for the heading of a table.
