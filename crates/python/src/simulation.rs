@@ -38,22 +38,28 @@ impl Simulation {
         py: Python<'_>,
         work: impl FnOnce(&mut amontons::simulation::Simulation) -> PyResult<T> + Send,
     ) -> PyResult<T> {
-        let mut running = match self.running.try_lock() {
-            Ok(running) => running,
-            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-            Err(TryLockError::WouldBlock) => {
-                return Err(Error::new_err(
-                    "this simulation is in use by another thread; give each thread a simulation of its own",
-                ));
-            }
-        };
-        let simulation = running.as_mut().ok_or_else(|| {
-            Error::new_err(
-                "this simulation has failed or was interrupted within a step, so its motion is lost; restore a saved \
-                 state, or make a new one",
-            )
-        })?;
-        py.detach(|| work(simulation))
+        self.with_slot(py, |running| work(running.as_mut().ok_or_else(lost)?))
+    }
+
+    /// Does something with the place of the simulation, without the interpreter's lock. Nobody waits for the place: who
+    /// waited with the interpreter's lock would keep the thread that has the place from ever taking that lock.
+    fn with_slot<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut Option<amontons::simulation::Simulation>) -> PyResult<T> + Send,
+    ) -> PyResult<T> {
+        py.detach(|| {
+            let mut running = match self.running.try_lock() {
+                Ok(running) => running,
+                Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+                Err(TryLockError::WouldBlock) => {
+                    return Err(Error::new_err(
+                        "this simulation is in use by another thread; give each thread a simulation of its own",
+                    ));
+                }
+            };
+            work(&mut running)
+        })
     }
 
     fn variable(&self, name: &str) -> PyResult<&Variable> {
@@ -61,6 +67,13 @@ impl Simulation {
             .get(name)
             .ok_or_else(|| raised(no_variable(name, self.variables.keys().map(String::as_str))))
     }
+}
+
+fn lost() -> PyErr {
+    Error::new_err(
+        "this simulation has failed or was interrupted within a step, so its motion is lost; restore a saved state, or \
+         make a new one",
+    )
 }
 
 #[pymethods]
@@ -94,8 +107,9 @@ impl Simulation {
 
     /// Advances to a time, s.
     fn advance_to(&self, py: Python<'_>, time: f64) -> PyResult<()> {
-        let mut interrupted = None;
-        let advanced = self.with(py, |simulation| {
+        self.with_slot(py, |running| {
+            let simulation = running.as_mut().ok_or_else(lost)?;
+            let mut interrupted = None;
             let go_on = || match Python::attach(|py| py.check_signals()) {
                 Ok(()) => ControlFlow::Continue(()),
                 Err(error) => {
@@ -103,22 +117,17 @@ impl Simulation {
                     ControlFlow::Break(())
                 }
             };
-            let before = simulation.time();
-            let advanced = simulation.advance_while(time, go_on).map_err(raised);
-            // An error before the first step, as of a time in the past, leaves the motion as it was.
-            let is_lost = advanced
-                .as_ref()
-                .map_or(simulation.time() == before && time > before, |flow| flow.is_break());
-            Ok((advanced.map(|_| ()), is_lost))
-        });
-        let (advanced, is_lost) = advanced?;
-        if is_lost {
-            *self.running.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = None;
-        }
-        match interrupted {
-            Some(error) => Err(error),
-            None => advanced,
-        }
+            let is_behind = time < simulation.time();
+            let advanced = simulation.advance_while(time, go_on);
+            // A time in the past is refused before anything moves.
+            if interrupted.is_some() || (advanced.is_err() && !is_behind) {
+                *running = None;
+            }
+            match interrupted {
+                Some(error) => Err(error),
+                None => advanced.map(|_| ()).map_err(raised),
+            }
+        })
     }
 
     /// The value of a variable.
@@ -196,12 +205,9 @@ impl Simulation {
             nominal.set(variable, value).map_err(raised)?;
         }
         let snapshot = Snapshot::new(nominal, saved.progress);
-        let resumed =
-            py.detach(|| amontons::simulation::Simulation::resume(snapshot)).map_err(raised)?;
-        let Ok(mut running) = self.running.try_lock() else {
-            return Err(Error::new_err("this simulation is in use by another thread"));
-        };
-        *running = Some(resumed);
-        Ok(())
+        self.with_slot(py, |running| {
+            *running = Some(amontons::simulation::Simulation::resume(snapshot).map_err(raised)?);
+            Ok(())
+        })
     }
 }
