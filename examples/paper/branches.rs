@@ -35,7 +35,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         let (scene, observation) = scene(name, &[])?;
         let values: Vec<f64> = (FRICTION[0]..=FRICTION[1]).map(|i| f64::from(i) / 100.0).collect();
         let Some(found) = follow(&scene, &observation, &values, watch)? else { return Ok(None) };
-        let known = bistability(&scene, [values[0], values[values.len() - 1]], &|_| {})?;
+        let known = bistability(&scene, [values[0], values[values.len() - 1]], Watch::IDLE)?;
         section.figures.push(Figure {
             caption: format!("Fig. {figure}: motions of {name} over rising and falling µ"),
             command: Some(format!(

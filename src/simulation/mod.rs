@@ -402,6 +402,17 @@ impl Simulation {
         Ok(ControlFlow::Continue(()))
     }
 
+    /// Refuses a time (s) to which this run cannot advance.
+    ///
+    /// # Errors
+    /// Returns an error for a time in the past, or one that is farther ahead than steps can be counted.
+    pub fn check_reachable(&self, target: f64) -> Result<(), Error> {
+        match self.clock.plan_to(target, self.scene.step) {
+            Some(_) => Ok(()),
+            None => Err(self.unreachable(target)),
+        }
+    }
+
     /// The steps to time `target` (s).
     fn plan_to(&mut self, target: f64) -> Result<StepPlan, Error> {
         let plan = self.clock.plan_to(target, self.scene.step);

@@ -18,6 +18,7 @@ use amontons::model::{LinearModel, LumpedModel, ReducedMatrices};
 use amontons::scene::{Scene, builtin};
 use amontons::stability::{Spectrum, eigenvalues};
 use amontons_analysis::stability::StateClasses;
+use amontons_analysis::watch::Watch;
 use nalgebra::{Complex, DMatrix};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -168,7 +169,7 @@ fn all_states(lapack: &mut Lapack) {
     }
     let all_spectra = || {
         let classes = StateClasses::of(&model).expect("few");
-        classes.spectra(linear(&model), &|_| {}).expect("they are possible")
+        classes.spectra(linear(&model), Watch::IDLE).expect("they are possible")
     };
     let solved = classes.representatives.len();
     let [whole, own, numpy] = shortest(

@@ -1,5 +1,6 @@
 //! Progress of long work, and its end before it is done.
 
+use amontons::Error;
 use std::ops::ControlFlow;
 
 /// The interface by which long work reports its progress and asks if it is over, from any of its threads.
@@ -20,6 +21,24 @@ impl Watch<'_> {
     #[must_use]
     pub fn is_over(&self) -> bool {
         (self.go_on)().is_break()
+    }
+
+    /// Refuses to begin more work after the end.
+    ///
+    /// # Errors
+    /// Returns an error if the work has been ended.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.is_over() {
+            Err(Error::analysis("the analysis was ended before it was done"))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Reports parts of work of which so many of `count` pieces are done.
+    #[allow(clippy::cast_precision_loss)]
+    pub(crate) fn parts(&self, count: usize) -> impl Fn(usize) + Sync {
+        move |done| (self.progress)(done as f64 / count as f64)
     }
 
     /// Reports that a part of the work, from 0 to 1, is done. `true` if the work has been ended.

@@ -1,37 +1,17 @@
-//! Exceptions, which have the texts of the crates' errors.
+//! Exceptions, which have the texts of the crates' errors. Python defines them.
 
-use pyo3::exceptions::PyValueError;
-use pyo3::{PyErr, create_exception};
+use pyo3::PyErr;
 
-create_exception!(
-    amontons,
-    Error,
-    PyValueError,
-    "Any error of Amontons; its text says what is wrong, where, and what would be right."
-);
-create_exception!(
-    amontons,
-    ArgumentError,
-    Error,
-    "An unknown name, or an argument that is impossible."
-);
-create_exception!(amontons, FileError, Error, "A file that cannot be read or written.");
-create_exception!(amontons, SceneError, Error, "A scene with a wrong key or an impossible value.");
-create_exception!(
-    amontons,
-    EquilibriumError,
-    Error,
-    "A scene without a static equilibrium: it jams, or a contact opens."
-);
-create_exception!(amontons, AnalysisError, Error, "An analysis that has no result.");
-create_exception!(
-    amontons,
-    StepError,
-    Error,
-    "A step that fails, or is longer than the critical one."
-);
+pyo3::import_exception!(amontons, Error);
+pyo3::import_exception!(amontons, ArgumentError);
+pyo3::import_exception!(amontons, FileError);
+pyo3::import_exception!(amontons, SceneError);
+pyo3::import_exception!(amontons, EquilibriumError);
+pyo3::import_exception!(amontons, AnalysisError);
+pyo3::import_exception!(amontons, StepError);
 
 /// The exception for an error of the crates.
+#[allow(clippy::needless_pass_by_value)]
 pub fn raised(error: amontons::Error) -> PyErr {
     let text = error.to_string();
     match error {

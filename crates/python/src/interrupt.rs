@@ -1,13 +1,14 @@
 //! Long work: it runs without the interpreter's lock, reports its progress, and Ctrl-C ends it.
 
+use crate::errors::Error;
 use amontons_analysis::stability;
 use amontons_analysis::watch::Watch;
 use pyo3::prelude::*;
 use std::cell::Cell;
 use std::ops::ControlFlow;
-use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Time between two looks at Ctrl-C, and between two reports of progress.
@@ -59,10 +60,11 @@ pub fn watched<T: Send>(
             if is_alone { stability::on_this_thread(|| work(watch)) } else { work(watch) }
         });
         let mut raised = None;
-        let receiver = std::sync::Mutex::new(receiver);
+        // `detach` hands what it uses to any thread; a receiver alone is for one.
+        let receiver = Mutex::new(receiver);
         loop {
             let waited = py.detach(|| {
-                let receiver = receiver.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                let receiver = receiver.lock().unwrap_or_else(PoisonError::into_inner);
                 receiver.recv_timeout(TICK)
             });
             if waited != Err(RecvTimeoutError::Timeout) {
@@ -82,7 +84,14 @@ pub fn watched<T: Send>(
                 report(1.0);
                 tell().map(|()| result)
             }
-            (None, Err(panic)) => resume_unwind(panic),
+            (None, Err(panic)) => {
+                let text = panic.downcast_ref::<String>().map(String::as_str);
+                let text =
+                    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or_default();
+                Err(Error::new_err(format!(
+                    "an internal error of Amontons, please report it: {text}"
+                )))
+            }
         }
     })
 }

@@ -28,10 +28,6 @@ mod study;
 #[pyo3::pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use crate::errors::{
-        AnalysisError, ArgumentError, EquilibriumError, Error, FileError, SceneError, StepError,
-    };
-    #[pymodule_export]
     use crate::export::export;
     #[pymodule_export]
     use crate::interrupt::on_this_thread;
@@ -42,7 +38,10 @@ mod _core {
     #[pymodule_export]
     use crate::simulation::Simulation;
     #[pymodule_export]
-    use crate::stability::{candidates, eigenvalues, equilibrium, locus, modes, states, verdict};
+    use crate::stability::{
+        candidates, check_undriven, eigenvalues, equilibrium, left_out, locus, modes, states,
+        verdict,
+    };
     #[pymodule_export]
     use crate::study::Study;
 }

@@ -4,7 +4,7 @@ use crate::errors::raised;
 use amontons::scene::{BUILTIN, IntegratorChoice, Method, Preset, Source, named};
 use amontons::selection::resolve;
 use amontons::simulation::catalogue::{Causality, Kind};
-use amontons::simulation::{fingerprint, variables};
+use amontons::simulation::variables;
 use amontons_analysis::assign::{assign, value_of};
 use amontons_analysis::doubts::doubts_of;
 use amontons_analysis::stability::Linearised;
@@ -15,6 +15,9 @@ use pyo3::types::PyTuple;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
+/// The internal step among the variables; here it is a part of the choice of method and step.
+const STEP: &str = "integrator.step";
+
 /// A scene, which never changes.
 #[pyclass(frozen, module = "amontons._core")]
 pub struct Scene {
@@ -22,7 +25,7 @@ pub struct Scene {
     pub scene: amontons::scene::Scene,
     /// Its files, in which no values are changed.
     pub source: Source,
-    /// Values that were changed, in their order.
+    /// Values that were changed, each once, in the order in which they were changed last.
     pub values: Vec<(String, f64)>,
     /// Method, step and preset that were chosen in place of those of the file.
     pub integrator: IntegratorChoice,
@@ -76,16 +79,18 @@ impl Scene {
     /// The scene with other values of parameters, inputs and signals, given in their order.
     fn with_values(&self, values: Vec<(String, f64)>) -> PyResult<Self> {
         let mut scene = self.scene.clone();
-        for (name, value) in &values {
-            assign(&mut scene, name, *value).map_err(raised)?;
+        let (mut known, mut integrator) = (self.values.clone(), self.integrator.clone());
+        for (name, value) in values {
+            assign(&mut scene, &name, value).map_err(raised)?;
+            if name == STEP {
+                integrator.step = Some(value);
+                continue;
+            }
+            known.retain(|(other, _)| *other != name);
+            known.push((name, value));
         }
         scene.check().map_err(raised)?;
-        let values = self.values.iter().cloned().chain(values).collect();
-        Ok(Self {
-            values,
-            integrator: self.integrator.clone(),
-            ..Self::new((scene, self.source.clone()))
-        })
+        Ok(Self { values: known, integrator, ..Self::new((scene, self.source.clone())) })
     }
 
     /// The scene with another method, step or preset: names as in scene files.
@@ -96,10 +101,17 @@ impl Scene {
         step: Option<f64>,
         preset: Option<&str>,
     ) -> PyResult<Self> {
-        let integrator = choice(method, step, preset)?;
+        let choice = choice(method, step, preset)?;
         let mut scene = self.scene.clone();
-        integrator.apply(&mut scene).and_then(|()| scene.check()).map_err(raised)?;
+        choice.apply(&mut scene).and_then(|()| scene.check()).map_err(raised)?;
         let values = self.values.clone();
+        let before = &self.integrator;
+        let integrator = if choice.preset.is_some() || before.preset.is_some() {
+            choice
+        } else {
+            let (method, step) = (choice.method.or(before.method), choice.step.or(before.step));
+            IntegratorChoice { method, step, preset: None }
+        };
         Ok(Self { values, integrator, ..Self::new((scene, self.source.clone())) })
     }
 
@@ -142,11 +154,6 @@ impl Scene {
     }
 
     #[getter]
-    fn experiment(&self) -> (f64, f64) {
-        (self.scene.experiment.stop_time, self.scene.experiment.output_interval)
-    }
-
-    #[getter]
     fn contact_count(&self) -> usize {
         self.scene.contact_count()
     }
@@ -159,12 +166,6 @@ impl Scene {
     #[getter]
     fn contact_names(&self) -> Vec<String> {
         (0..self.scene.contact_count()).map(|contact| self.scene.contact_name(contact)).collect()
-    }
-
-    /// The fingerprint of the scene's files.
-    #[getter]
-    fn fingerprint(&self) -> String {
-        fingerprint(&self.source)
     }
 
     /// Values that are possible, but hardly meant, each as a sentence.

@@ -3,7 +3,7 @@
 use crate::errors::{Error, raised};
 use crate::run::no_variable;
 use crate::scene::Scene;
-use amontons::simulation::{Parameters, Progress, Snapshot, Variable, fingerprint, variables};
+use amontons::simulation::{Parameters, Progress, Snapshot, Variable, variables};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -12,21 +12,24 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::sync::{Mutex, TryLockError};
 
+/// The beginning of a saved state. What follows depends on the version.
+const MARK: &[u8] = concat!("amontons ", env!("CARGO_PKG_VERSION"), "\n").as_bytes();
+
 /// A scene in motion. One thread uses it at a time.
 #[pyclass(frozen, module = "amontons._core")]
 pub struct Simulation {
-    /// Identity of the scene's files, to which saved states belong.
-    fingerprint: String,
+    /// Identity of the scene, to which saved states belong.
+    identity: String,
     /// All variables by their names.
     variables: HashMap<String, Variable>,
     /// `None` after a step that failed or was interrupted.
     running: Mutex<Option<amontons::simulation::Simulation>>,
 }
 
-/// What a saved state holds: the scene's files by their fingerprint, all values that can be set, and the motion.
+/// What a saved state holds: the identity of the scene, all values that can be set, and the motion.
 #[derive(Serialize, Deserialize)]
 struct Saved {
-    fingerprint: String,
+    identity: String,
     values: Vec<f64>,
     progress: Progress,
 }
@@ -79,7 +82,7 @@ fn lost() -> PyErr {
 #[pymethods]
 impl Simulation {
     #[new]
-    fn new(py: Python<'_>, scene: &Scene, start_time: f64) -> PyResult<Self> {
+    fn new(py: Python<'_>, scene: &Scene, identity: String, start_time: f64) -> PyResult<Self> {
         if !start_time.is_finite() {
             let error = format!("a simulation cannot start at {start_time} s; give a finite time");
             return Err(raised(amontons::Error::argument(error)));
@@ -89,7 +92,7 @@ impl Simulation {
         let named =
             variables(&scene.scene).into_iter().map(|variable| (variable.name.clone(), variable));
         Ok(Self {
-            fingerprint: fingerprint(&scene.source),
+            identity,
             variables: named.collect(),
             running: Mutex::new(Some(made.map_err(raised)?)),
         })
@@ -117,10 +120,9 @@ impl Simulation {
                     ControlFlow::Break(())
                 }
             };
-            let is_behind = time < simulation.time();
+            simulation.check_reachable(time).map_err(raised)?;
             let advanced = simulation.advance_while(time, go_on);
-            // A time in the past is refused before anything moves.
-            if interrupted.is_some() || (advanced.is_err() && !is_behind) {
+            if interrupted.is_some() || advanced.is_err() {
                 *running = None;
             }
             match interrupted {
@@ -180,8 +182,9 @@ impl Simulation {
         let bytes = self.with(py, |simulation| {
             let values = simulation.nominal().iter().map(|(_, value)| value).collect();
             let progress = simulation.save().into_progress();
-            let saved = Saved { fingerprint: self.fingerprint.clone(), values, progress };
-            Ok(postcard::to_stdvec(&saved).expect("a vector takes all bytes"))
+            let saved = Saved { identity: self.identity.clone(), values, progress };
+            let content = postcard::to_stdvec(&saved).expect("a vector takes all bytes");
+            Ok([MARK, &crc32fast::hash(&content).to_le_bytes(), &*content].concat())
         })?;
         Ok(PyBytes::new(py, &bytes))
     }
@@ -189,11 +192,21 @@ impl Simulation {
     /// Continues from a saved state of this scene.
     fn restore(&self, py: Python<'_>, scene: &Scene, state: &[u8]) -> PyResult<()> {
         let wrong = |why: &str| Error::new_err(format!("the saved state {why}"));
-        let Ok(saved) = postcard::from_bytes::<Saved>(state) else {
-            return Err(wrong("is damaged, or was written by another version"));
+        let Some((checksum, content)) =
+            state.strip_prefix(MARK).and_then(|state| state.split_at_checked(size_of::<u32>()))
+        else {
+            return Err(wrong("is damaged, or was written by another version of Amontons"));
         };
-        if saved.fingerprint != self.fingerprint {
-            return Err(wrong("belongs to another scene"));
+        if crc32fast::hash(content).to_le_bytes() != checksum {
+            return Err(wrong("is damaged"));
+        }
+        let Ok(saved) = postcard::from_bytes::<Saved>(content) else {
+            return Err(wrong("is damaged"));
+        };
+        if saved.identity != self.identity {
+            return Err(wrong(
+                "belongs to another scene, or to one with other values or another integrator",
+            ));
         }
         let mut nominal = Parameters::of(scene.resolved());
         let variables: Vec<Variable> =

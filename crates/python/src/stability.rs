@@ -26,6 +26,7 @@ fn linearised(scene: &Scene, friction: Option<f64>, at: f64) -> Result<Cow<'_, L
     }
     let mut changed = scene.scene.clone();
     if let Some(friction) = friction {
+        require_undriven(&changed, FRICTION)?;
         assign(&mut changed, FRICTION, friction)?;
     }
     let changed = at_instant(&changed, at)?;
@@ -100,10 +101,10 @@ pub fn states<'py>(
     at: f64,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Vec<(String, Bound<'py, PyArray1<Complex<f64>>>)>> {
-    let found = watched(py, progress.as_ref(), |_| {
+    let found = watched(py, progress.as_ref(), |watch| {
         let here = linearised(scene, friction, at)?;
         let classes = StateClasses::of(here.model())?;
-        let spectra = classes.spectra(here.linear()?, &|_| {})?;
+        let spectra = classes.spectra(here.linear()?, watch)?;
         let found = classes
             .states
             .iter()
@@ -137,8 +138,7 @@ pub fn locus<'py>(
             Ok(Linearised::of(&scene))
         };
         let states = states_of(state, &with(values[0])?)?;
-        let interrupted = || Error::analysis("interrupted");
-        let at = |value: f64| if watch.is_over() { Err(interrupted()) } else { with(value) };
+        let at = |value: f64| watch.check().and_then(|()| with(value));
         #[allow(clippy::cast_precision_loss)]
         let done = |done: usize, of: usize| (watch.progress)(done as f64 / of as f64);
         loci::locus(&at, &states, &values, &done)
@@ -173,8 +173,8 @@ pub fn candidates<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     require_undriven(&scene.scene, FRICTION).map_err(raised)?;
-    let found = watched(py, progress.as_ref(), |_| {
-        bistability(&at_instant(&scene.scene, at)?, range, &|_| {})
+    let found = watched(py, progress.as_ref(), |watch| {
+        bistability(&at_instant(&scene.scene, at)?, range, watch)
     })?
     .map_err(raised)?;
     let result = PyDict::new(py);
@@ -217,10 +217,22 @@ pub fn equilibrium<'py>(
     Ok(parts.map(|values| values.into_pyarray(py)))
 }
 
-/// The verdict on uniform sliding, in words, and a sentence on signals that it leaves out.
+/// The verdict on uniform sliding, in words.
 #[pyfunction]
 #[pyo3(signature = (scene, at=0.0))]
-pub fn verdict(py: Python<'_>, scene: &Scene, at: f64) -> PyResult<(String, Option<String>)> {
+pub fn verdict(py: Python<'_>, scene: &Scene, at: f64) -> PyResult<String> {
     let found = py.detach(|| map::verdict(&at_instant(&scene.scene, at)?));
-    Ok((found.map_err(raised)?.to_string(), signals_left_out(&scene.scene, at)))
+    Ok(found.map_err(raised)?.to_string())
+}
+
+/// A sentence on the signals that an analysis at an instant (s) leaves out; None for a scene without signals.
+#[pyfunction]
+pub fn left_out(scene: &Scene, at: f64) -> Option<String> {
+    signals_left_out(&scene.scene, at)
+}
+
+/// Refuses a parameter that signals change: an analysis over its values would add them.
+#[pyfunction]
+pub fn check_undriven(scene: &Scene, name: &str) -> PyResult<()> {
+    require_undriven(&scene.scene, name).map_err(raised)
 }

@@ -19,6 +19,7 @@ use amontons_analysis::study::transient::transient;
 use amontons_analysis::study::{
     BranchQuestion, From, Journal, ObservationRequest, ObservationSettings, Plan, Push, Question,
     Watch, branches, continuation, derive_pace, initial_value, limit_cycles, orbit, pace, set_pace,
+    settled_motion,
 };
 use amontons_analysis::sweep::{FRICTION, Possible};
 use pyo3::prelude::*;
@@ -53,6 +54,7 @@ struct Request {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "study", rename_all = "kebab-case")]
 enum Kind {
+    Motion,
     LimitCycles { parameter: String, values: Vec<f64>, resolution: f64, portraits: Vec<f64> },
     Perturbations { parameter: String, values: Vec<f64>, resolution: f64 },
     Basin { x: (String, Vec<f64>), y: (String, Vec<f64>), every_point: bool },
@@ -82,7 +84,10 @@ impl Start {
                 amplitudes: vec![a.min(*b), a.max(*b)],
                 resolution: BOUNDARY,
             }),
-            Self::Orbit(known) => From::Orbit(known.clone()),
+            Self::Orbit(known) => {
+                known.check(scene)?;
+                From::Orbit(known.clone())
+            }
         })
     }
 }
@@ -119,8 +124,8 @@ impl Study {
         known: Vec<(String, String)>,
     ) -> PyResult<(Option<String>, Vec<String>, Vec<String>)> {
         let journal = journal(known)?.shared(|_| false);
-        let found =
-            py.detach(|| self.request.found(&self.scene, &journal, Watch::IDLE)).map_err(raised)?;
+        let found = watched(py, None, |watch| self.request.found(&self.scene, &journal, watch))?;
+        let found = found.map_err(raised)?;
         Ok((found.map(|found| found.to_string()), journal.asked(), journal.missing()))
     }
 
@@ -191,8 +196,12 @@ impl Request {
             if matches!(self.kind, Kind::Basin { .. }) { |_: &mut _, _: &_| {} } else { pace };
         set_pace(&mut scene, &self.integrator, &observation, default)?;
         let found = match &self.kind {
+            Kind::Motion => {
+                settled_motion(scene.clone(), &observation, watch)?.map(|(_, ending)| json!(ending))
+            }
             Kind::LimitCycles { parameter, values, resolution, portraits } => {
                 let possible = Possible::of(&scene, parameter, values)?;
+                let note = possible.note(parameter);
                 let question = Question {
                     name: parameter.clone(),
                     values: possible.values,
@@ -206,7 +215,7 @@ impl Request {
                     Ok(observation)
                 };
                 limit_cycles(&scene, &prepare, &question, journal, watch)?
-                    .map(|found| json!({ "values": question.values, "found": found }))
+                    .map(|found| json!({ "values": question.values, "note": note, "found": found }))
             }
             Kind::Perturbations { parameter, values, resolution } => {
                 let direction = Direction {
@@ -227,7 +236,8 @@ impl Request {
                     .map(|found| json!(found))
             }
             Kind::Continuation { values, resolution } => {
-                let values = Possible::of(&scene, FRICTION, values)?.values;
+                let possible = Possible::of(&scene, FRICTION, values)?;
+                let (note, values) = (possible.note(FRICTION), possible.values);
                 let [first, second, ..] = values[..] else {
                     return Err(Error::argument("a continuation needs at least two values"));
                 };
@@ -235,7 +245,7 @@ impl Request {
                 let push = Push::of(&scene);
                 require_undriven(&scene, FRICTION)?;
                 let range = [first, values[values.len() - 1]];
-                let known = bistability(&at_instant(&scene, 0.0)?, range, &|_| {});
+                let known = bistability(&at_instant(&scene, 0.0)?, range, watch);
                 let candidates = known.as_ref().map_or(&[][..], |known| &known.candidates);
                 let plan = Plan {
                     scene: &scene,
@@ -245,7 +255,8 @@ impl Request {
                     push,
                     candidates,
                 };
-                continuation(&plan, journal, watch)?.map(|found| json!(found))
+                continuation(&plan, journal, watch)?
+                    .map(|found| json!({ "values": values, "note": note, "branches": found }))
             }
             Kind::Orbit { start } => {
                 let found = orbit(&scene, &observation, &start.from(&scene)?, journal, watch)
@@ -273,6 +284,7 @@ impl Request {
             }
             Kind::Transient { .. } => unreachable!("it is made above"),
         };
-        Ok(found.map(|found| json!({ "scene": scene.name, "look": observation, "result": found })))
+        let pace = json!({ "method": scene.method, "step": scene.step });
+        Ok(found.map(|found| json!({ "look": observation, "pace": pace, "result": found })))
     }
 }

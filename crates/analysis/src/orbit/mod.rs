@@ -113,6 +113,35 @@ pub struct OrbitStart {
     pub states: Vec<ContactState>,
 }
 
+impl OrbitStart {
+    /// Refuses a motion that cannot be one of the scene.
+    ///
+    /// # Errors
+    /// Returns an error if it has another number of displacements, velocities or contacts, or impossible numbers.
+    pub fn check(&self, scene: &Scene) -> Result<(), Error> {
+        let counts = [
+            ("displacements", self.displacement.len(), scene.dof_names().len()),
+            ("velocities", self.velocity.len(), scene.dof_names().len()),
+            ("contacts", self.states.len(), scene.contact_count()),
+        ];
+        for (what, has, needs) in counts {
+            if has != needs {
+                return Err(Error::argument(format!(
+                    "the orbit has {has} {what}, but {} has {needs}: it belongs to another scene",
+                    scene.name
+                )));
+            }
+        }
+        let mut numbers = self.displacement.iter().chain(&self.velocity);
+        let is_possible = self.period > 0.0
+            && self.period.is_finite()
+            && numbers.all(|number| number.is_finite());
+        is_possible
+            .then_some(())
+            .ok_or_else(|| Error::argument("the orbit has numbers that no orbit has"))
+    }
+}
+
 /// A change of contact states in a periodic motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OrbitEvent {

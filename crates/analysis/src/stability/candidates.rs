@@ -7,6 +7,7 @@ use super::locus::{Crossing, Locus, growing, locus};
 use super::parallel;
 use super::state_energy::{StateEnergy, state_energy};
 use super::states::StateClasses;
+use crate::watch::Watch;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::model::{Contact, LumpedModel};
@@ -100,18 +101,15 @@ const LOOKS: f64 = 200_000.0;
 /// The fewest steps of a class, whatever the number of classes.
 const FEWEST_STEPS_OF_A_CLASS: f64 = 40.0;
 
-/// Analyses all states of a scene over a range of µ, that of `friction.coefficient` alone, on all cores; `done`
-/// receives the number of classes of states that are done. Values above the static friction, which stays as it is,
-/// are left out.
+/// Analyses all states of a scene over a range of µ, that of `friction.coefficient` alone, on all cores. Values
+/// above the static friction, which stays as it is, are left out. The watch receives the part of the classes of states
+/// that are done, and can end the analysis.
 ///
 /// # Errors
 /// Returns an error if a surface stands still ([`uniform_sliding`]), there is no equilibrium in the whole range, the
-/// range is above the static friction, there are too many contacts, or a state cannot be analysed.
-pub fn bistability(
-    scene: &Scene,
-    range: [f64; 2],
-    done: &(dyn Fn(usize) + Sync),
-) -> Result<Bistability, Error> {
+/// range is above the static friction, there are too many contacts, a state cannot be analysed, or the watch has ended
+/// the analysis.
+pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<Bistability, Error> {
     let [first, last] = possible_range(scene, range)?;
     let at = |mu: f64| Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() });
     let here = at(first);
@@ -143,6 +141,7 @@ pub fn bistability(
         forces.iter().all(|force| (force - forces[0]).abs() <= 1e-9 * forces[0].abs())
     });
     let look = |class: usize| {
+        watch.check()?;
         let states = &classes.representatives[class];
         let members: Vec<&Vec<ContactState>> =
             if loads_are_alike { vec![states] } else { classes.members(class).collect() };
@@ -160,7 +159,11 @@ pub fn bistability(
         }
         Ok(found)
     };
-    let found = parallel::collect(classes.representatives.len(), &look, done)?;
+    let found = parallel::collect(
+        classes.representatives.len(),
+        &look,
+        &watch.parts(classes.representatives.len()),
+    )?;
     let mut candidates = Vec::new();
     for (class, found) in found.into_iter().enumerate() {
         let alike = classes.members(class).count();
@@ -306,7 +309,7 @@ mod tests {
         // On a slider that slopes the other way friction draws the masses into it, until they jam.
         let mut scene = builtin("set2").unwrap().scene();
         scene.slider.angle = -0.5;
-        let found = bistability(&scene, [0.0, 6.0], &|_| {}).unwrap();
+        let found = bistability(&scene, [0.0, 6.0], Watch::IDLE).unwrap();
         let [[from, to]] = found.equilibrium[..] else { panic!("{:?}", found.equilibrium) };
         assert!(from == 0.0 && to < 6.0);
         let exists = |mu: f64| {
@@ -317,7 +320,7 @@ mod tests {
         for range in found.stable.iter().chain(found.candidates.iter().map(|c| &c.range)) {
             assert!(range[1] <= to);
         }
-        let nowhere = bistability(&scene, [to + 0.1, 6.0], &|_| {}).unwrap_err();
+        let nowhere = bistability(&scene, [to + 0.1, 6.0], Watch::IDLE).unwrap_err();
         assert!(nowhere.is_equilibrium(), "{nowhere}");
     }
 
@@ -329,7 +332,7 @@ mod tests {
             scene.modules_mut().extend_from_within(..);
             scene.slider.velocity = 0.1;
             scene.modules_mut()[loose].preload = -1e-3;
-            let found = bistability(&scene, [0.9, 1.18], &|_| {}).unwrap();
+            let found = bistability(&scene, [0.9, 1.18], Watch::IDLE).unwrap();
             let needs = found.candidates.iter().map(|candidate| candidate.reach.unwrap().energy);
             needs.collect::<Vec<_>>()
         };

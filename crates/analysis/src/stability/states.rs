@@ -1,6 +1,7 @@
 //! All contact states of a model at once, those that symmetry makes equal solved once.
 
 use super::parallel;
+use crate::watch::Watch;
 use amontons::Error;
 use amontons::contact::{ContactState, all_states};
 use amontons::model::{LinearModel, LumpedModel};
@@ -53,17 +54,21 @@ impl StateClasses {
         self.states.iter().filter(move |(_, other)| *other == class).map(|(states, _)| states)
     }
 
-    /// The spectrum of each class, on all cores; `done` hears how many are done.
+    /// The spectrum of each class, on all cores. The watch receives the part that is done, and can end the work.
     ///
     /// # Errors
-    /// Returns an error if a class has no spectrum ([`Spectrum::of`]).
+    /// Returns an error if a class has no spectrum ([`Spectrum::of`]), or if the watch has ended the work.
     pub fn spectra(
         &self,
         model: LinearModel<'_>,
-        done: &(dyn Fn(usize) + Sync),
+        watch: Watch<'_>,
     ) -> Result<Vec<Spectrum>, Error> {
-        let work = |class: usize| Spectrum::of(model, &self.representatives[class]);
-        parallel::collect(self.representatives.len(), &work, done)
+        let work = |class: usize| {
+            watch.check()?;
+            Spectrum::of(model, &self.representatives[class])
+        };
+        let count = self.representatives.len();
+        parallel::collect(count, &work, &watch.parts(count))
     }
 }
 
@@ -90,7 +95,7 @@ mod tests {
         let model = LumpedModel::from(&scene);
         let classes = StateClasses::of(&model).unwrap();
         let model = model.linear().unwrap();
-        let spectra = classes.spectra(model, &|_| {}).unwrap();
+        let spectra = classes.spectra(model, Watch::IDLE).unwrap();
         assert_eq!(spectra.len(), 20);
         for (states, class) in &classes.states {
             let own = Spectrum::of(model, states).unwrap();

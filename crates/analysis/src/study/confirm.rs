@@ -226,7 +226,7 @@ mod tests {
                     preload = [5e-3, 4.8e-3]\n[integrator]\nstep = 1e-6\n\
                     [experiment]\nstop_time = 2.0\noutput_interval = 2e-4\n";
         let scene = parse("unequal", text).unwrap();
-        let found = bistability(&scene, [1.0, 1.8], &|_| {}).unwrap();
+        let found = bistability(&scene, [1.0, 1.8], Watch::IDLE).unwrap();
         let states = [ContactState::Slide, ContactState::Stick];
         let candidate = found.candidates.iter().find(|candidate| candidate.states == states);
         let candidate = candidate.unwrap();
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn the_squeal_of_set_2_has_both_contacts_stuck_and_meets_no_state_with_one() {
         let scene = builtin("set2").unwrap().scene();
-        let found = bistability(&scene, [1.9, 2.06], &|_| {}).unwrap();
+        let found = bistability(&scene, [1.9, 2.06], Watch::IDLE).unwrap();
         let sticks = |candidate: &&Candidate| candidate.states.contains(&ContactState::Stick);
         let candidate = found.candidates.iter().find(sticks).unwrap();
         let [tried] = &confirm(&scene, &[candidate], Watch::IDLE).unwrap().unwrap()[..] else {

@@ -245,6 +245,25 @@ fn regimes(outcomes: &[Outcome]) -> Vec<Regime> {
     regimes
 }
 
+/// Runs a scene with its own method and step until its motion has settled: from its own start, with a push where that is
+/// at rest ([`Push::of_resting`]). Returns the simulation at the end, and the ending; `None` if the watch ended the run.
+///
+/// # Errors
+/// Returns an error if the scene cannot start, or if a step fails.
+pub fn settled_motion(
+    scene: Scene,
+    observation: &ObservationSettings,
+    watch: Watch<'_>,
+) -> Result<Option<(Simulation, LongTermMotion)>, Error> {
+    let push = Push::of_resting(&scene);
+    let mut simulation = Simulation::new(scene, 0.0)?;
+    if let Some(push) = push {
+        push.give(&mut simulation);
+    }
+    let ending = run_to_steady_state(&mut simulation, observation, &|| watch.is_over())?;
+    Ok(ending.map(|ending| (simulation, ending)))
+}
+
 /// Data shared by all runs.
 struct Runs<'a> {
     scene: &'a Scene,
@@ -261,20 +280,6 @@ impl Runs<'_> {
         assign(&mut scene, self.name, value)?;
         let observation = (self.prepare)(&mut scene)?;
         Ok((scene, observation))
-    }
-
-    /// A motion that has settled, and its ending.
-    fn settled(
-        &self,
-        (scene, observation): (Scene, ObservationSettings),
-    ) -> Result<Option<(Simulation, LongTermMotion)>, Error> {
-        let push = Push::of_resting(&scene);
-        let mut simulation = Simulation::new(scene, 0.0)?;
-        if let Some(push) = push {
-            push.give(&mut simulation);
-        }
-        let ending = run_to_steady_state(&mut simulation, &observation, &|| self.watch.is_over())?;
-        Ok(ending.map(|ending| (simulation, ending)))
     }
 
     /// Refuses values that the parameter cannot have, and a scene that can start with none of them.
@@ -299,7 +304,7 @@ impl Runs<'_> {
     fn outcome(&self, value: f64) -> Result<Option<Outcome>, Error> {
         let prepared = self.with(value)?;
         self.journal.piece(&self.key(value), || {
-            Ok(match self.settled(prepared) {
+            Ok(match settled_motion(prepared.0, &prepared.1, self.watch) {
                 Ok(found) => found.map(|(_, ending)| Outcome::Ending(ending)),
                 Err(error) => Some(Outcome::Failure(error.to_string())),
             })
@@ -353,7 +358,9 @@ impl Runs<'_> {
         }
         let key = format!("{}, portrait of {contacts}", self.key(value));
         let draw = || {
-            let Some((mut simulation, ending)) = self.settled(self.with(value)?)? else {
+            let (scene, observation) = self.with(value)?;
+            let settled = settled_motion(scene, &observation, self.watch)?;
+            let Some((mut simulation, ending)) = settled else {
                 return Ok(None);
             };
             portrait(&mut simulation, value, &ending, contacts).map(Some)

@@ -72,7 +72,7 @@ pub use continuation::{
 pub use initial::{history, initial_value};
 pub use journal::{Journal, Owner};
 pub use limit_cycle::{
-    Change, LimitCycles, MotionBracket, Outcome, Question, Regime, limit_cycles,
+    Change, LimitCycles, MotionBracket, Outcome, Question, Regime, limit_cycles, settled_motion,
 };
 pub use long_term::{Kind, LongTermMotion};
 pub use observation::{

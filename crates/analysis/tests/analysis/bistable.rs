@@ -6,6 +6,7 @@ use amontons::contact::{ContactState, JoinedStates, all_states};
 use amontons::model::LumpedModel;
 use amontons::scene::{Scene, builtin};
 use amontons_analysis::stability::candidates::{Bistability, Candidate, bistability};
+use amontons_analysis::watch::Watch;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -18,7 +19,7 @@ fn set2() -> (Scene, LumpedModel) {
 }
 
 fn found() -> Bistability {
-    bistability(&set2().0, RANGE, &|_| {}).unwrap()
+    bistability(&set2().0, RANGE, Watch::IDLE).unwrap()
 }
 
 /// The modes of a state that grow, one of each pair.

@@ -8,6 +8,7 @@ use amontons::stability::Spectrum;
 use amontons_analysis::stability::candidates::{bistability, resting_state, uniform_sliding};
 use amontons_analysis::stability::locus::locus;
 use amontons_analysis::stability::{Linearised, linearity_limit, modes};
+use amontons_analysis::watch::Watch;
 
 const MASS: f64 = 2.0;
 const STIFFNESS: f64 = 800.0;
@@ -131,7 +132,7 @@ fn one_pressed_mass_is_stable_at_any_friction_damped_or_not() {
     // One free coordinate, K̃ = k whatever µ is.
     for damper in ["", DAMPER] {
         let (scene, _) = pressed("", damper);
-        let found = bistability(&scene, [0.0, 1.0], &|_| {}).unwrap();
+        let found = bistability(&scene, [0.0, 1.0], Watch::IDLE).unwrap();
         assert!(found.candidates.is_empty() && found.stable == [[0.0, 1.0]], "{found:?}");
     }
 }
@@ -169,11 +170,11 @@ fn a_disc_brake_whose_friction_falls_is_stable_where_an_independent_program_says
     assert_eq!(sliding, [Slide, ReverseSlide]);
     let growth = Spectrum::of(here.linear().unwrap(), &sliding).unwrap().growth_rate();
     assert!((growth / 5803.454543507425 - 1.0).abs() < 1e-9, "{growth}");
-    let found = bistability(&steep, [0.3, 0.9], &|_| {}).unwrap();
+    let found = bistability(&steep, [0.3, 0.9], Watch::IDLE).unwrap();
     assert_eq!((found.range, found.stable), ([0.3, 0.6], vec![]));
 
     let gentle = scene("static = 0.7\nstribeck_velocity = 0.0055");
-    let found = bistability(&gentle, [0.0, 0.7], &|_| {}).unwrap();
+    let found = bistability(&gentle, [0.0, 0.7], Watch::IDLE).unwrap();
     let expected = [
         // Another mode still grows here.
         (0.21583257517012022, 1024.6921928754648, false),

@@ -69,7 +69,7 @@ fn followed(scene: &Scene, values: &[f64], resolution: f64) -> Continuation {
 
 /// Friction coefficient at which a mode of uniform sliding begins to grow, by the eigenvalues.
 fn onset(scene: &Scene, range: [f64; 2]) -> f64 {
-    let found = bistability(scene, range, &|_| {}).unwrap();
+    let found = bistability(scene, range, Watch::IDLE).unwrap();
     found.uniform.iter().find(|crossing| crossing.becomes_unstable).unwrap().value
 }
 
@@ -286,7 +286,7 @@ fn an_undamped_motion_is_linear_with_contacts_that_slide_both_ways() {
 #[test]
 fn a_candidate_is_not_met_by_contacts_that_take_its_states_one_by_one() {
     let brake = scene("disc_brake", &[]);
-    let found = bistability(&brake, [0.3, 0.56], &|_| {}).unwrap();
+    let found = bistability(&brake, [0.3, 0.56], Watch::IDLE).unwrap();
     let slide_alike =
         |candidate: &&Candidate| candidate.states.iter().all(|state| *state == candidate.states[0]);
     let candidate = found.candidates.iter().find(slide_alike).unwrap();

@@ -269,7 +269,7 @@ fn set_2_has_rest_and_a_cycle_side_by_side_up_to_where_its_eigenvalues_say() {
     // The paper's Fig. 5 has both at 1.96.
     assert!(rest.range[0] < 1.96 && 1.96 < rest.range[1]);
     // Rest ends where a mode of uniform sliding begins to grow: known from eigenvalues alone.
-    let known = bistability(&set2.0, [1.9, 2.07], &|_| {}).unwrap();
+    let known = bistability(&set2.0, [1.9, 2.07], Watch::IDLE).unwrap();
     let [onset] = &known.uniform[..] else { panic!("{:?}", known.uniform) };
     assert!((rest.range[1] - onset.value).abs() <= 1e-4, "{} {}", rest.range[1], onset.value);
     // The cycle ends in rest.

@@ -229,7 +229,8 @@ fn a_cycle_begins_where_a_mode_of_sliding_begins_to_grow() {
     let begins = found.thresholds.iter().find(|found| found.changes.contains(&Change::RestEnds));
     let [low, high] = begins.unwrap().between;
     let grows =
-        amontons_analysis::stability::candidates::bistability(&scene, [1.0, 1.4], &|_| {}).unwrap();
+        amontons_analysis::stability::candidates::bistability(&scene, [1.0, 1.4], Watch::IDLE)
+            .unwrap();
     let onset = grows.uniform.iter().find(|crossing| crossing.becomes_unstable).unwrap().value;
     assert!(high - low < 1e-3 && low - 1e-3 < onset && onset < high + 1e-3, "{low} {onset} {high}");
 }

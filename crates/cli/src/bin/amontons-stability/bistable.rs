@@ -6,7 +6,7 @@ use crate::{Failure, configured};
 use amontons::contact::JoinedStates;
 use amontons::scene::Scene;
 use amontons_analysis::stability::candidates::{Bistability, Candidate, bistability};
-use amontons_analysis::stability::{Linearised, StateClasses, StateEnergy};
+use amontons_analysis::stability::{Linearised, StateEnergy};
 use amontons_analysis::study::Watch;
 use amontons_analysis::study::confirm::{Attempt, Tried, confirm};
 use amontons_analysis::sweep::FRICTION;
@@ -18,9 +18,12 @@ pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
     let given = configured(&arguments.common, Some(first), &[FRICTION])?;
     let scene = &given.scene;
     let here = Linearised::of(scene);
-    let classes = StateClasses::of(here.model())?.representatives.len() as u64;
-    let bar = Progress::new("the contact states", classes);
-    let found = bistability(scene, [first, last], &|done| bar.set(done as u64))?;
+    let bar = Progress::in_parts("the contact states");
+    let found = bistability(
+        scene,
+        [first, last],
+        Watch { progress: &|part| bar.set_part(part), ..Watch::IDLE },
+    )?;
     bar.finish();
 
     let sliding = here.uniform_sliding()?;

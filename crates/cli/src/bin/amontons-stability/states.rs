@@ -10,6 +10,7 @@ use amontons::stability::Spectrum;
 use amontons_analysis::stability::{
     Linearised, LinearityLimit, MAX_CONTACTS, StateClasses, linearity_limit, modes,
 };
+use amontons_analysis::watch::Watch;
 use amontons_cli::arguments::Format;
 use amontons_cli::progress::Progress;
 use serde_json::{Map, Value, json};
@@ -99,8 +100,9 @@ fn spectra(
         return Ok(vec![(states, spectrum, 1)]);
     }
     let classes = StateClasses::of(here.model())?;
-    let bar = Progress::new("the contact states", classes.representatives.len() as u64);
-    let spectra = classes.spectra(model, &|done| bar.set(done as u64))?;
+    let bar = Progress::in_parts("the contact states");
+    let spectra =
+        classes.spectra(model, Watch { progress: &|part| bar.set_part(part), ..Watch::IDLE })?;
     bar.finish();
     eprintln!("{} states, {} solved", classes.states.len(), spectra.len());
     let found = classes.states.iter().map(|(states, class)| {

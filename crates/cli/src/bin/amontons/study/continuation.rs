@@ -13,6 +13,7 @@ use amontons_analysis::study::{
     RestAndMotion, SweepDirection, ThirdMotion, continuation,
 };
 use amontons_analysis::sweep::{FRICTION, Possible};
+use amontons_analysis::watch::Watch;
 use amontons_cli::arguments::{Values, steps};
 use amontons_cli::charts::continuation::{chart, describe, turn};
 use amontons_cli::progress::Progress;
@@ -255,7 +256,7 @@ fn none(found: &Continuation, resolution: f64) -> String {
 fn eigenvalues(scene: &Scene, range: [f64; 2]) -> Result<Bistability, amontons::Error> {
     require_undriven(scene, FRICTION)?;
     let progress = Progress::new("eigenvalues of the contact states", 0);
-    let found = bistability(&at_instant(scene, 0.0)?, range, &|_| {});
+    let found = bistability(&at_instant(scene, 0.0)?, range, Watch::IDLE);
     progress.finish();
     found
 }

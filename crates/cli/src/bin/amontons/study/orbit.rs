@@ -113,24 +113,7 @@ pub fn read(path: &Path, scene: &Scene) -> Result<OrbitStart, amontons::Error> {
     let wrong = |why: String| amontons::Error::file(path, &std::io::Error::other(why));
     let orbit: OrbitStart = serde_json::from_str(&text)
         .map_err(|error| wrong(format!("this is no orbit of `amontons study orbit`: {error}")))?;
-    let counts = [
-        ("displacements", orbit.displacement.len(), scene.dof_names().len()),
-        ("velocities", orbit.velocity.len(), scene.dof_names().len()),
-        ("contacts", orbit.states.len(), scene.contact_count()),
-    ];
-    for (what, has, needs) in counts {
-        if has != needs {
-            return Err(wrong(format!(
-                "the orbit has {has} {what}, but {} has {needs}: it belongs to another scene",
-                scene.name
-            )));
-        }
-    }
-    let are_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
-    let is_finite = are_finite(&orbit.displacement) && are_finite(&orbit.velocity);
-    if !is_finite || !orbit.period.is_finite() || orbit.period <= 0.0 {
-        return Err(wrong("the orbit has numbers that no orbit has".to_owned()));
-    }
+    orbit.check(scene).map_err(|error| wrong(error.to_string()))?;
     Ok(orbit)
 }
 
