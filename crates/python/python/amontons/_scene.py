@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _core, _studies
 from ._progress import reporting
-from ._tables import table
+from ._tables import names_of, table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -323,7 +323,7 @@ class Scene:
         >>> len(run["module[1].x1"]) == len(run["time"])
         True
         """
-        names = None if outputs is None else _names(outputs)
+        names = None if outputs is None else names_of(outputs)
         with reporting(progress, "the run") as report:
             times, columns, doubts = _core.run(self._core, stop_time, output_interval, names, report)
         for doubt in doubts:
@@ -454,8 +454,11 @@ class Scene:
             grow there, each with its state, range of µ, frequencies (Hz) and the push (m/s) that the state needs;
             ``crossings`` as in `locus`; ``equilibrium``: ranges of µ in which there is one.
         """
+        first, last = _ascending([first, last], FRICTION).tolist()
+        if first < 0.0:
+            raise _core.ArgumentError(f"{FRICTION} = {first!r} is impossible; give a range from zero or above")
         with reporting(progress, "the contact states") as report:
-            return _core.candidates(self._core, (float(first), float(last)), at, report)
+            return _core.candidates(self._core, (first, last), at, report)
 
     def equilibrium(self, at: float = 0.0) -> dict[str, dict[str, float]]:
         """The equilibrium in uniform sliding.
@@ -510,7 +513,7 @@ class Scene:
             The path.
         """
         path = os.fspath(path if path is not None else f"{self.name}.fmu")
-        names = None if platforms is None else _names(platforms)
+        names = None if platforms is None else names_of(platforms)
         with reporting(progress, "the reference run") as report:
             _core.export(self._core, path, names, report)
         return path
@@ -558,12 +561,6 @@ def _restored(
     if any(part is not None for part in integrator):
         core = core.with_integrator(*integrator)
     return Scene._of(core)
-
-
-def _names(names: Iterable[str]) -> list[str]:
-    if isinstance(names, str):
-        raise TypeError(f"give a list of names, such as [{names!r}]")
-    return [str(name) for name in names]
 
 
 def _ascending(values: ArrayLike, name: str) -> NDArray[np.float64]:
