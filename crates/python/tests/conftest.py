@@ -15,8 +15,10 @@ def set1():
 
 
 @pytest.fixture(scope="session")
-def stick_slip():
-    return amontons.Scene.builtin("stick_slip")
+def held():
+    """A block that rests on its belt until a push makes it stick and slip."""
+    text = amontons.Scene.builtin("stick_slip").text
+    return amontons.Scene.from_toml(f"{text}\n[damping]\nalpha = 0.3\n", "held")
 
 
 @pytest.fixture(scope="session")

@@ -36,3 +36,8 @@ def fails_above_one(scene):
     if scene["friction.coefficient"] > 1.0:
         raise ZeroDivisionError("too slippery")
     return scene["friction.coefficient"]
+
+
+def end_process():
+    """Kills the process that calls it."""
+    os._exit(9)

@@ -14,31 +14,32 @@ from amontons import _executors
 from conftest import bytes_of
 
 MU = "friction.coefficient"
+SHORT = {"longest": 60.0, "window": 10.0}
 STUDIES = {
     "sweep": lambda scene, executor: amontons.sweep(
         scene, {MU: np.linspace(0.0, 0.6, 40), "slider.velocity": [0.1, 0.2, 0.5]}, executor=executor
     ),
     "sweep of verdicts": lambda scene, executor: amontons.sweep(
-        scene, {MU: np.linspace(0.0, 1.0, 11)}, of="verdict", executor=executor
+        scene, {MU: np.linspace(0.0, 0.6, 11)}, of="verdict", executor=executor
     ),
     "sweep of motions": lambda scene, executor: amontons.sweep(
         scene, {"slider.velocity": [0.05, 0.7]}, of="motion", executor=executor
     ),
     "limit cycles": lambda scene, executor: scene.limit_cycles(
-        np.linspace(0.05, 0.5, 4), resolution=0.05, executor=executor
+        [0.05, 0.2], resolution=0.1, executor=executor, **SHORT
     ),
     "perturbations": lambda scene, executor: scene.perturbations(
-        np.linspace(0.0, 0.3, 4), "mass.block.vx", resolution=0.05, executor=executor
+        np.linspace(0.0, 0.3, 4), "mass.block.vx", resolution=0.1, executor=executor, **SHORT
     ),
     "basin": lambda scene, executor: scene.basin(
-        ("mass.block.x", np.linspace(0.0, 0.02, 4)), ("mass.block.vx", np.linspace(0.0, 0.2, 3)), executor=executor
+        ("mass.block.x", [0.0, 0.015]), ("mass.block.vx", [0.0, 0.1, 0.2]), executor=executor, **SHORT
     ),
 }
 
 
 @pytest.fixture(scope="module")
-def expected(stick_slip):
-    return {name: bytes_of(study(stick_slip, None)) for name, study in STUDIES.items()}
+def expected(held):
+    return {name: bytes_of(study(held, None)) for name, study in STUDIES.items()}
 
 
 class Shuffled:
@@ -103,32 +104,39 @@ def spawning():
     return ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn"))
 
 
+def test_a_push_begins_stick_slip_where_it_reaches_the_speed_of_the_belt(held):
+    # From the equilibrium a damped block is never as fast again as at its start.
+    [threshold] = STUDIES["perturbations"](held, None).attrs["thresholds"]
+    low, high = threshold["between"]
+    assert low - 1e-12 <= held["slider.velocity"] <= high
+
+
 def check_all(scene, expected, executor):
     for name, study in STUDIES.items():
         assert bytes_of(study(scene, executor)) == expected[name], name
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_tasks_that_end_in_any_order_fail_or_end_twice_give_the_same_bytes(stick_slip, expected, seed):
+@pytest.mark.parametrize("seed", range(2))
+def test_tasks_that_end_in_any_order_fail_or_end_twice_give_the_same_bytes(held, expected, seed):
     with Shuffled(seed) as executor:
-        check_all(stick_slip, expected, executor)
+        check_all(held, expected, executor)
 
 
-def test_an_executor_that_works_within_submit_gives_the_same_bytes(stick_slip, expected):
-    check_all(stick_slip, expected, AtOnce())
+def test_an_executor_that_works_within_submit_gives_the_same_bytes(held, expected):
+    check_all(held, expected, AtOnce())
 
 
 @pytest.mark.parametrize("pool", [lambda: ThreadPoolExecutor(3), spawning], ids=["threads", "spawned processes"])
-def test_pools_give_the_same_bytes(stick_slip, expected, pool):
+def test_pools_give_the_same_bytes(held, expected, pool):
     with pool() as executor:
-        check_all(stick_slip, expected, executor)
+        check_all(held, expected, executor)
 
 
 @pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="this system has no fork")
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
-def test_forked_processes_give_the_same_bytes(stick_slip, expected):
+def test_forked_processes_give_the_same_bytes(held, expected):
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("fork")) as executor:
-        check_all(stick_slip, expected, executor)
+        check_all(held, expected, executor)
 
 
 def test_a_function_of_a_module_is_evaluated_by_processes(set1):
@@ -157,13 +165,6 @@ def test_a_point_that_fails_is_a_row_with_its_reason(set1):
             "",
             "ZeroDivisionError: too slippery",
         ]
-
-
-def test_a_study_names_the_value_that_fails(stick_slip):
-    found = stick_slip.limit_cycles([0.0, 0.1], MU, resolution=1.0, executor=AtOnce())
-    assert found["kind"].values.tolist()[1] != "failed"
-    whole = stick_slip.limit_cycles([0.0, 0.1], MU, resolution=1.0)
-    assert bytes_of(found) == bytes_of(whole)
 
 
 def test_a_task_that_always_fails_is_given_up_with_its_reason(set1):
@@ -247,29 +248,31 @@ def test_tasks_of_short_items_grow_to_a_second(monkeypatch):
     sizes = []
 
     def work(_, batch):
-        now[0] += 1e-3 * len(batch)
+        now[0] += 0.01 * len(batch)
         sizes.append(len(batch))
         return batch
 
     for _ in _executors.carry_out(work, None, range(100_000), AtOnce(), None):
         pass
-    assert 990 <= max(sizes) <= 1000 and len(sizes) < 500
+    assert 99 <= max(sizes) <= 100 and len(sizes) < 1500
 
 
 @pytest.mark.parametrize("on", [None, AtOnce()], ids=["here", "executor"])
 @pytest.mark.parametrize("name", [name for name in STUDIES if "sweep" not in name] + ["sweep", "run", "locus"])
-def test_progress_rises_to_one_and_its_errors_end_the_work(stick_slip, name, on):
-    values = np.linspace(0.05, 0.5, 4)
+def test_progress_rises_to_one_and_its_errors_end_the_work(held, name, on):
+    values = np.array([0.05, 0.2])
     calls = {
-        "sweep": lambda **more: amontons.sweep(stick_slip, {MU: np.linspace(0, 1, 300)}, executor=on, **more),
-        "run": lambda **more: stick_slip.simulate(2.0, **more),
-        "locus": lambda **more: stick_slip.locus(values, MU, **more),
-        "limit cycles": lambda **more: stick_slip.limit_cycles(values, resolution=0.05, executor=on, **more),
-        "perturbations": lambda **more: stick_slip.perturbations(
-            values, "mass.block.vx", resolution=0.05, executor=on, **more
+        "sweep": lambda **more: amontons.sweep(held, {MU: np.linspace(0, 1, 300)}, executor=on, **more),
+        "run": lambda **more: held.simulate(2.0, **more),
+        "locus": lambda **more: held.locus(values, MU, **more),
+        "limit cycles": lambda **more: held.limit_cycles(
+            values, resolution=0.1, executor=on, **SHORT, **more
         ),
-        "basin": lambda **more: stick_slip.basin(
-            ("mass.block.x", values[:2]), ("mass.block.vx", values[:2]), executor=on, **more
+        "perturbations": lambda **more: held.perturbations(
+            values, "mass.block.vx", resolution=0.1, executor=on, **SHORT, **more
+        ),
+        "basin": lambda **more: held.basin(
+            ("mass.block.x", values), ("mass.block.vx", values), executor=on, **SHORT, **more
         ),
     }
     parts = []
