@@ -68,18 +68,19 @@ def _futures(executor: Any) -> Executor:
     """The executor itself, or that of a client of Dask, whose own `submit` gives equal tasks one result."""
     if not callable(getattr(executor, "submit", None)):
         raise TypeError(f"{executor!r} is no executor: it has no method submit, as those of concurrent.futures have")
-    return executor.get_executor(pure=False) if hasattr(executor, "get_executor") else executor
+    futures: Executor = executor.get_executor(pure=False) if hasattr(executor, "get_executor") else executor
+    return futures
 
 
-class _OwnThreads(ThreadPoolExecutor):
+class _OwnThreads:
     """Threads of this process, whose work can be ended."""
 
     def __init__(self) -> None:
-        super().__init__(os.cpu_count())
+        self.pool = ThreadPoolExecutor(os.cpu_count())
         self.is_over = threading.Event()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Any:
-        return super().submit(self._call, function, *arguments)
+        return self.pool.submit(self._call, function, *arguments)
 
     def _call(self, function: Callable[..., Any], *arguments: Any) -> Any:
         with ended_by(self.is_over):
@@ -87,7 +88,7 @@ class _OwnThreads(ThreadPoolExecutor):
 
     def end(self) -> None:
         self.is_over.set()
-        self.shutdown(wait=True, cancel_futures=True)
+        self.pool.shutdown(wait=True, cancel_futures=True)
 
 
 class _Tasks:

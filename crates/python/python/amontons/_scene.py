@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import ArrayLike, NDArray
 
-    from ._executors import Executor
+    from ._core import Scene as CoreScene
     from ._simulation import Simulation
 
     Table = xarray.Dataset | dict[str, Any]
@@ -71,13 +71,13 @@ class Scene:
     """
 
     __slots__ = ("_core",)
-    _core: _core.Scene
+    _core: CoreScene
 
     def __init__(self) -> None:
         raise TypeError("make a scene with Scene.builtin, Scene.read or Scene.from_toml")
 
     @classmethod
-    def _of(cls, core: _core.Scene) -> Scene:
+    def _of(cls, core: CoreScene) -> Scene:
         made = object.__new__(cls)
         object.__setattr__(made, "_core", core)
         return made
@@ -219,7 +219,7 @@ class Scene:
         """All variables by their names: parameters, inputs and outputs.
 
         >>> amontons.Scene.builtin("set1").variables["friction.coefficient"].value
-        1.5
+        1.96
         """
         return {row[0]: Variable(*row) for row in self._core.variables()}
 
@@ -251,11 +251,10 @@ class Scene:
         return _restored, self._state()
 
     def __repr__(self) -> str:
-        contacts, dofs = self._core.contact_count, len(self._core.dof_names)
-        contacts = f"{contacts} contact" + "s" * (contacts != 1)
-        dofs = f"{dofs} degree{'s' * (dofs != 1)} of freedom"
+        count, dofs = self._core.contact_count, len(self._core.dof_names)
+        size = f"{count} contact{'s' * (count != 1)}, {dofs} degree{'s' * (dofs != 1)} of freedom"
         changed = ", ".join(f"{name} = {value!r}" for name, value in self.values.items())
-        return f"<amontons.Scene {self.name}: {contacts}, {dofs}{', with ' * bool(changed)}{changed}>"
+        return f"<amontons.Scene {self.name}: {size}{', with ' * bool(changed)}{changed}>"
 
     def _repr_svg_(self) -> str | None:
         """The drawing, for a notebook; None where the scene is too large to be drawn."""

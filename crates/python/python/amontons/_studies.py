@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from ._scene import Scene
 
+    from ._tables import Column
+
     Table = xarray.Dataset | dict[str, Any]
 
 SHARES = ("share_slide", "share_reverse_slide", "share_stick", "share_detached")
@@ -196,12 +198,12 @@ def basin(
     run = [[cell["run"] for cell in row] for row in cells]
     failure = [[cell["failure"] or "" for cell in row] for row in cells]
     dimensions = (y[0], x[0])
-    variables = {
+    variables: dict[str, Column] = {
         "attractor": (dimensions, np.array(attractor, dtype=int), {}),
         "run": (dimensions, np.array(run, dtype=bool), {}),
         "failure": (dimensions, np.array(failure, dtype=np.str_), {}),
     }
-    coordinates = {name: ((name,), values, {}) for name, values in axes.items()}
+    coordinates: dict[str, Column] = {name: ((name,), values, {}) for name, values in axes.items()}
     attributes = scene._attributes(of=found["look"]["of"], attractors=found["result"]["attractors"])
     return table(variables, coordinates, attributes)
 
@@ -241,7 +243,8 @@ def continuation(
         "resolution": None if resolution is None else _above_zero(resolution, "resolution"),
         **_observation(of, window, interval, longest),
     }
-    return _run(scene, request, None, progress, "the continuation")["result"]
+    found: dict[str, Any] = _run(scene, request, None, progress, "the continuation")["result"]
+    return found
 
 
 def orbit(
@@ -269,7 +272,8 @@ def orbit(
         ``orbit``: its period (s), displacements, velocities, events and Floquet multipliers; ``stable``.
     """
     request = {"study": "orbit", "start": _start(start), **_observation(of, window, interval, longest)}
-    return _run(scene, request, None, progress, "the orbit")["result"]
+    found: dict[str, Any] = _run(scene, request, None, progress, "the orbit")["result"]
+    return found
 
 
 def branches(
@@ -316,7 +320,8 @@ def branches(
         "points": int(points),
         **_observation(of, window, interval, longest),
     }
-    return _run(scene, request, None, progress, "the branches")["result"]
+    found: dict[str, Any] = _run(scene, request, None, progress, "the branches")["result"]
+    return found
 
 
 def transient(
@@ -347,7 +352,8 @@ def transient(
         "output_interval": None if output_interval is None else _above_zero(output_interval, "output_interval"),
         **_observation(of, None, None, None),
     }
-    return _run(scene, request, None, progress, "the run")
+    found: dict[str, Any] = _run(scene, request, None, progress, "the run")
+    return found
 
 
 def _run(

@@ -75,6 +75,7 @@ def sweep(
         scene[name]
     points = list(itertools.product(*(values.tolist() for values in axes.values())))
     rows: dict[int, dict[str, Any]] = {}
+    items: Sequence[Any]
     with reporting(progress, "the sweep") as report:
         common = (scene, list(axes), evaluate, points if executor is None else None)
         items = range(len(points)) if executor is None else list(enumerate(points))

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray
 
+    Column = tuple[tuple[str, ...], Any, dict[str, Any]]
+    """Dimensions, values and attributes of a variable."""
+
 
 def table(
-    variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]],
-    coordinates: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]],
+    variables: Mapping[str, Column],
+    coordinates: Mapping[str, Column],
     attributes: dict[str, Any],
 ) -> xarray.Dataset | dict[str, Any]:
     """Makes a table of variables over coordinates, each with its dimensions, values and attributes.
@@ -27,7 +30,7 @@ def table(
     return xarray.Dataset(variables, coordinates, attributes)
 
 
-def columns(rows: list[dict[str, Any]], dimension: str) -> dict[str, Any]:
+def columns(rows: list[dict[str, Any]], dimension: str) -> dict[str, Column]:
     """Makes a variable of each key of rows; a number that is missing is NaN, a text that is missing empty.
 
     Where a key has numbers in some rows and texts in others, all are texts.
@@ -35,7 +38,7 @@ def columns(rows: list[dict[str, Any]], dimension: str) -> dict[str, Any]:
     import numpy as np
 
     keys = list(dict.fromkeys(key for row in rows for key in row))
-    made = {}
+    made: dict[str, Column] = {}
     for key in keys:
         values = [row.get(key) for row in rows]
         known = [value for value in values if value is not None]
