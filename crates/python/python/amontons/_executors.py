@@ -118,7 +118,7 @@ class _Tasks:
         An item may last much longer than those before it, so batches grow step by step and are small at the end.
         """
         for _ in range(2):
-            share = len(self.rest) // (len(self.waiting) + 1) + 1
+            share = len(self.rest) // SINGLE + 1
             size = max(1, min(int(TASK_SECONDS / max(seconds, 1e-9)), GROWTH * len(batch), share))
             following = [self.rest.popleft() for _ in range(min(size, len(self.rest)))]
             if following:
