@@ -21,7 +21,7 @@ distributed = pytest.importorskip("distributed")
 def client():
     here = str(Path(__file__).parent)
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0", silence_logs=50
     ) as cluster, distributed.Client(cluster) as client:
         client.run(sys.path.append, here)
         yield client
