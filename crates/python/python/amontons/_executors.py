@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import queue
+import threading
 import time
 import warnings
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from typing import Any, Protocol, TypeVar
 
 from . import _core
+from ._progress import ended_by
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -19,6 +22,8 @@ TASK_SECONDS = 1.0
 """The time that a task is to last."""
 SINGLE = 32
 """The most items that are tasks of their own, before it is known how long an item lasts."""
+GROWTH = 8
+"""The most items of a task, as a multiple of those of the task after which it is submitted."""
 ATTEMPTS = 4
 """Attempts at a task whose worker is lost."""
 
@@ -44,46 +49,80 @@ def carry_out(
     A task lasts about a second. A task whose worker is lost is done again; where the executor takes no more tasks, the
     rest is done by threads of this process. Without an executor, all of it is.
     """
-    own = ThreadPoolExecutor(os.cpu_count()) if executor is None else None
-    tasks = _Tasks(work, common, own or _futures(executor))
+    tasks = _Tasks(work, common, items, executor)
     done = 0
     try:
-        rest = tasks.submit_singly(items)
+        tasks.begin()
         while tasks.waiting:
             batch, (seconds, result) = tasks.next()
-            if rest:
-                tasks.submit_in_batches(rest, seconds)
-                rest = []
+            tasks.submit_after(batch, seconds)
             done += len(batch)
             if report:
                 report(done / len(items))
             yield batch, result
     finally:
-        tasks.cancel()
-        for pool in (own, tasks.own):
-            if pool:
-                pool.shutdown(wait=True, cancel_futures=True)
+        tasks.end()
 
 
 def _futures(executor: Any) -> Executor:
     """The executor itself, or that of a client of Dask, whose own `submit` gives equal tasks one result."""
     if not callable(getattr(executor, "submit", None)):
         raise TypeError(f"{executor!r} is no executor: it has no method submit, as those of concurrent.futures have")
-    return executor.get_executor(pure=False) if hasattr(executor, "get_executor") else executor
+    futures: Executor = executor.get_executor(pure=False) if hasattr(executor, "get_executor") else executor
+    return futures
+
+
+class _OwnThreads:
+    """Threads of this process, whose work can be ended."""
+
+    def __init__(self) -> None:
+        self.pool = ThreadPoolExecutor(os.cpu_count())
+        self.is_over = threading.Event()
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Any:
+        return self.pool.submit(self._call, function, *arguments)
+
+    def _call(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        with ended_by(self.is_over):
+            return function(*arguments)
+
+    def end(self) -> None:
+        self.is_over.set()
+        self.pool.shutdown(wait=True, cancel_futures=True)
 
 
 class _Tasks:
-    """Tasks on an executor."""
+    """Tasks on an executor, or on threads of this process."""
 
-    def __init__(self, work: Callable[..., Any], common: Any, executor: Executor) -> None:
+    def __init__(self, work: Callable[..., Any], common: Any, items: Sequence[Any], executor: Any) -> None:
         self.work = work
         self.common = common
-        self.executor = executor
-        self.own: ThreadPoolExecutor | None = None
-        """Threads of this process, after the executor has broken."""
+        # How long an item lasts is learnt from some that are spread over all.
+        single = range(0, len(items), max(1, len(items) // SINGLE))
+        self.first = [items[place] for place in single]
+        self.rest = deque(item for place, item in enumerate(items) if place not in single)
+        self.own = _OwnThreads() if executor is None else None
+        """Threads of this process, without an executor and after it has broken."""
+        self.executor: Executor = self.own or _futures(executor)
         self.finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.waiting: dict[Any, tuple[Sequence[Any], int]] = {}
         """The batch of each future, and the attempts at it."""
+
+    def begin(self) -> None:
+        for item in self.first:
+            self.submit([item])
+
+    def submit_after(self, batch: Sequence[Any], seconds: float) -> None:
+        """Submits two batches after one whose items have lasted so long, until there are none.
+
+        An item may last much longer than those before it, so batches grow step by step and are small at the end.
+        """
+        for _ in range(2):
+            share = len(self.rest) // SINGLE + 1
+            size = max(1, min(int(TASK_SECONDS / max(seconds, 1e-9)), GROWTH * len(batch), share))
+            following = [self.rest.popleft() for _ in range(min(size, len(self.rest)))]
+            if following:
+                self.submit(following)
 
     def submit(self, batch: Sequence[Any], attempt: int = 1) -> None:
         try:
@@ -91,30 +130,19 @@ class _Tasks:
         except BrokenExecutor as error:
             if self.own:
                 raise
-            warnings.warn(f"the executor takes no more work ({error}); this process does the rest", stacklevel=5)
-            self.executor = self.own = ThreadPoolExecutor(os.cpu_count())
+            warnings.warn(f"the executor takes no more work ({error}); this process does the rest", stacklevel=6)
+            self.executor = self.own = _OwnThreads()
             future = self.executor.submit(_timed, self.work, self.common, batch)
         self.waiting[future] = batch, attempt
         future.add_done_callback(self.finished.put)
-
-    def submit_singly(self, items: Sequence[Any]) -> list[Any]:
-        """Submits some items, spread over all, as tasks of their own; gives the others."""
-        stride = max(1, len(items) // SINGLE)
-        single = range(0, len(items), stride)
-        for place in single:
-            self.submit([items[place]])
-        return [item for place, item in enumerate(items) if place not in single]
-
-    def submit_in_batches(self, items: Sequence[Any], seconds: float) -> None:
-        """Submits items of which each lasts so long."""
-        size = max(1, min(int(TASK_SECONDS / max(seconds, 1e-9)), len(items) // (4 * (os.cpu_count() or 1)) + 1))
-        for first in range(0, len(items), size):
-            self.submit(items[first : first + size])
 
     def next(self) -> tuple[Sequence[Any], tuple[float, Any]]:
         """Waits for a task; gives its batch, the seconds of an item and its result."""
         while True:
             future = self._finished()
+            if future not in self.waiting:
+                # Some executors tell of an end twice.
+                continue
             batch, attempt = self.waiting.pop(future)
             try:
                 return batch, future.result()
@@ -134,9 +162,11 @@ class _Tasks:
             except queue.Empty:
                 continue
 
-    def cancel(self) -> None:
+    def end(self) -> None:
         for future in self.waiting:
             future.cancel()
+        if self.own:
+            self.own.end()
 
 
 def _timed(work: Callable[..., Any], common: Any, batch: Sequence[Any]) -> tuple[float, Any]:

@@ -2,8 +2,30 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+_thread = threading.local()
+
+
+class Ended(BaseException):
+    """Ends work of a thread of which nobody awaits the result any more."""
+
+
+@contextmanager
+def ended_by(is_over: threading.Event) -> Iterator[None]:
+    """Work of this thread ends at its next report of progress once the event is set: only the main thread sees Ctrl-C."""
+
+    def look(_: float) -> None:
+        if is_over.is_set():
+            raise Ended
+
+    _thread.look = look
+    try:
+        yield
+    finally:
+        del _thread.look
 
 
 @contextmanager
@@ -14,8 +36,11 @@ def reporting(
 
     `progress` is such a function, or True for a bar of tqdm, which is left out where tqdm is not installed.
     """
-    if callable(progress) or not progress:
-        yield progress or None
+    if not progress:
+        yield getattr(_thread, "look", None)
+        return
+    if callable(progress):
+        yield progress
         return
     try:
         from tqdm.auto import tqdm

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 from . import _core, _studies
 from ._progress import reporting
-from ._tables import table
+from ._tables import names_of, table
 
 if TYPE_CHECKING:
     import numpy as np
     import xarray
     from numpy.typing import ArrayLike, NDArray
 
-    from ._executors import Executor
+    from ._core import Scene as CoreScene
     from ._simulation import Simulation
 
     Table = xarray.Dataset | dict[str, Any]
@@ -71,13 +71,13 @@ class Scene:
     """
 
     __slots__ = ("_core",)
-    _core: _core.Scene
+    _core: CoreScene
 
     def __init__(self) -> None:
         raise TypeError("make a scene with Scene.builtin, Scene.read or Scene.from_toml")
 
     @classmethod
-    def _of(cls, core: _core.Scene) -> Scene:
+    def _of(cls, core: CoreScene) -> Scene:
         made = object.__new__(cls)
         object.__setattr__(made, "_core", core)
         return made
@@ -219,7 +219,7 @@ class Scene:
         """All variables by their names: parameters, inputs and outputs.
 
         >>> amontons.Scene.builtin("set1").variables["friction.coefficient"].value
-        1.5
+        1.96
         """
         return {row[0]: Variable(*row) for row in self._core.variables()}
 
@@ -251,11 +251,10 @@ class Scene:
         return _restored, self._state()
 
     def __repr__(self) -> str:
-        contacts, dofs = self._core.contact_count, len(self._core.dof_names)
-        contacts = f"{contacts} contact" + "s" * (contacts != 1)
-        dofs = f"{dofs} degree{'s' * (dofs != 1)} of freedom"
+        count, dofs = self._core.contact_count, len(self._core.dof_names)
+        size = f"{count} contact{'s' * (count != 1)}, {dofs} degree{'s' * (dofs != 1)} of freedom"
         changed = ", ".join(f"{name} = {value!r}" for name, value in self.values.items())
-        return f"<amontons.Scene {self.name}: {contacts}, {dofs}{', with ' * bool(changed)}{changed}>"
+        return f"<amontons.Scene {self.name}: {size}{', with ' * bool(changed)}{changed}>"
 
     def _repr_svg_(self) -> str | None:
         """The drawing, for a notebook; None where the scene is too large to be drawn."""
@@ -323,7 +322,7 @@ class Scene:
         >>> len(run["module[1].x1"]) == len(run["time"])
         True
         """
-        names = None if outputs is None else _names(outputs)
+        names = None if outputs is None else names_of(outputs)
         with reporting(progress, "the run") as report:
             times, columns, doubts = _core.run(self._core, stop_time, output_interval, names, report)
         for doubt in doubts:
@@ -454,8 +453,11 @@ class Scene:
             grow there, each with its state, range of µ, frequencies (Hz) and the push (m/s) that the state needs;
             ``crossings`` as in `locus`; ``equilibrium``: ranges of µ in which there is one.
         """
+        first, last = _ascending([first, last], FRICTION).tolist()
+        if first < 0.0:
+            raise _core.ArgumentError(f"{FRICTION} = {first!r} is impossible; give a range from zero or above")
         with reporting(progress, "the contact states") as report:
-            return _core.candidates(self._core, (float(first), float(last)), at, report)
+            return _core.candidates(self._core, (first, last), at, report)
 
     def equilibrium(self, at: float = 0.0) -> dict[str, dict[str, float]]:
         """The equilibrium in uniform sliding.
@@ -510,7 +512,7 @@ class Scene:
             The path.
         """
         path = os.fspath(path if path is not None else f"{self.name}.fmu")
-        names = None if platforms is None else _names(platforms)
+        names = None if platforms is None else names_of(platforms)
         with reporting(progress, "the reference run") as report:
             _core.export(self._core, path, names, report)
         return path
@@ -558,12 +560,6 @@ def _restored(
     if any(part is not None for part in integrator):
         core = core.with_integrator(*integrator)
     return Scene._of(core)
-
-
-def _names(names: Iterable[str]) -> list[str]:
-    if isinstance(names, str):
-        raise TypeError(f"give a list of names, such as [{names!r}]")
-    return [str(name) for name in names]
 
 
 def _ascending(values: ArrayLike, name: str) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from . import _core
+from ._tables import names_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -82,7 +83,7 @@ class Simulation:
 
     def read(self, names: Iterable[str]) -> NDArray[np.float64]:
         """Present values of several variables."""
-        return self._core.read_all([str(name) for name in names])
+        return self._core.read_all(names_of(names))
 
     @property
     def displacement(self) -> NDArray[np.float64]:

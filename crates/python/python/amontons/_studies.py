@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Sequence
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from . import _core
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from ._scene import Scene
+
+    from ._tables import Column
 
     Table = xarray.Dataset | dict[str, Any]
 
@@ -67,7 +70,7 @@ def limit_cycles(
         "study": "limit-cycles",
         "parameter": parameter,
         "values": _ascending(values, parameter).tolist(),
-        "resolution": float(resolution),
+        "resolution": _above_zero(resolution, "resolution"),
         "portraits": [],
         **_observation(of, window, interval, longest),
     }
@@ -126,7 +129,7 @@ def perturbations(
         "study": "perturbations",
         "parameter": initial,
         "values": _ascending(values, initial).tolist(),
-        "resolution": float(resolution),
+        "resolution": _above_zero(resolution, "resolution"),
         **_observation(of, window, interval, longest),
     }
     found = _run(scene, request, executor, progress, "the perturbations")
@@ -195,12 +198,12 @@ def basin(
     run = [[cell["run"] for cell in row] for row in cells]
     failure = [[cell["failure"] or "" for cell in row] for row in cells]
     dimensions = (y[0], x[0])
-    variables = {
+    variables: dict[str, Column] = {
         "attractor": (dimensions, np.array(attractor, dtype=int), {}),
         "run": (dimensions, np.array(run, dtype=bool), {}),
         "failure": (dimensions, np.array(failure, dtype=np.str_), {}),
     }
-    coordinates = {name: ((name,), values, {}) for name, values in axes.items()}
+    coordinates: dict[str, Column] = {name: ((name,), values, {}) for name, values in axes.items()}
     attributes = scene._attributes(of=found["look"]["of"], attractors=found["result"]["attractors"])
     return table(variables, coordinates, attributes)
 
@@ -237,10 +240,11 @@ def continuation(
     request = {
         "study": "continuation",
         "values": _ascending(values, FRICTION).tolist(),
-        "resolution": None if resolution is None else float(resolution),
+        "resolution": None if resolution is None else _above_zero(resolution, "resolution"),
         **_observation(of, window, interval, longest),
     }
-    return _run(scene, request, None, progress, "the continuation")["result"]
+    found: dict[str, Any] = _run(scene, request, None, progress, "the continuation")["result"]
+    return found
 
 
 def orbit(
@@ -268,7 +272,8 @@ def orbit(
         ``orbit``: its period (s), displacements, velocities, events and Floquet multipliers; ``stable``.
     """
     request = {"study": "orbit", "start": _start(start), **_observation(of, window, interval, longest)}
-    return _run(scene, request, None, progress, "the orbit")["result"]
+    found: dict[str, Any] = _run(scene, request, None, progress, "the orbit")["result"]
+    return found
 
 
 def branches(
@@ -303,15 +308,20 @@ def branches(
     dict
         As in study.json of ``amontons study branches``: points and special points of each branch; uniform sliding.
     """
+    from ._scene import _ascending
+
+    if points < 0:
+        raise _core.ArgumentError(f"points = {points!r} is impossible; give zero or more")
     request = {
         "study": "branches",
         "parameter": parameter,
-        "range": [float(first), float(last)],
+        "range": _ascending([first, last], parameter).tolist(),
         "starts": [_start(start) for start in starts],
         "points": int(points),
         **_observation(of, window, interval, longest),
     }
-    return _run(scene, request, None, progress, "the branches")["result"]
+    found: dict[str, Any] = _run(scene, request, None, progress, "the branches")["result"]
+    return found
 
 
 def transient(
@@ -338,11 +348,12 @@ def transient(
     """
     request = {
         "study": "transient",
-        "stop_time": None if stop_time is None else float(stop_time),
-        "output_interval": None if output_interval is None else float(output_interval),
+        "stop_time": None if stop_time is None else _above_zero(stop_time, "stop_time"),
+        "output_interval": None if output_interval is None else _above_zero(output_interval, "output_interval"),
         **_observation(of, None, None, None),
     }
-    return _run(scene, request, None, progress, "the run")
+    found: dict[str, Any] = _run(scene, request, None, progress, "the run")
+    return found
 
 
 def _run(
@@ -353,7 +364,10 @@ def _run(
     what: str,
 ) -> Any:
     """The result of a study."""
-    text = json.dumps(request)
+    try:
+        text = json.dumps(request, allow_nan=False)
+    except ValueError:
+        raise _core.ArgumentError("all numbers of an orbit must be finite") from None
     study = _core.Study(scene._core, text)
     with reporting(progress, what) as report:
         if executor is None:
@@ -363,6 +377,8 @@ def _run(
         while True:
             result, _, missing = study.plan(list(known.items()))
             if result is not None:
+                if report:
+                    report(1.0)
                 return json.loads(result)
             common = (scene, text, list(known.items()), missing)
 
@@ -389,11 +405,15 @@ def _observation(
     of: str | None, window: float | None, interval: float | None, longest: float | None
 ) -> dict[str, Any]:
     settings = {"window": window, "interval": interval, "longest": longest}
-    for name, value in settings.items():
-        if value is not None and not 0.0 < float(value) < float("inf"):
-            raise _core.ArgumentError(f"{name} = {value!r} is impossible; give a time above zero, in seconds")
-    times = {name: None if value is None else float(value) for name, value in settings.items()}
+    times = {name: None if value is None else _above_zero(value, name) for name, value in settings.items()}
     return {"of": of, **times}
+
+
+def _above_zero(value: float, name: str) -> float:
+    number = float(value)
+    if not 0.0 < number < float("inf"):
+        raise _core.ArgumentError(f"{name} = {value!r} is impossible; give a finite number above zero")
+    return number
 
 
 def _start(start: Any) -> Any:
@@ -401,9 +421,9 @@ def _start(start: Any) -> Any:
     match start:
         case "run":
             return "run"
-        case ("mode", number):
+        case ("mode", number) if hasattr(number, "__index__") and number > 0:
             return {"mode": int(number)}
-        case ("between", name, a, b):
+        case ("between", name, a, b) if isfinite(a) and isfinite(b):
             return {"between": [str(name), [float(a), float(b)]]}
         case {"orbit": {"period": _} as known} | ({"period": _} as known):
             return {"orbit": known}

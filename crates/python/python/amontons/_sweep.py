@@ -64,8 +64,6 @@ def sweep(
     >>> [bool(rate > 0) for rate in found["growth_rate"]]
     [False, True]
     """
-    import numpy as np
-
     evaluate = _EVALUATIONS.get(of) if isinstance(of, str) else of
     if not callable(evaluate):
         raise _core.ArgumentError(f"of = {of!r} is none of {', '.join(_EVALUATIONS)}, and no function of a scene")
@@ -77,6 +75,7 @@ def sweep(
         scene[name]
     points = list(itertools.product(*(values.tolist() for values in axes.values())))
     rows: dict[int, dict[str, Any]] = {}
+    items: Sequence[Any]
     with reporting(progress, "the sweep") as report:
         common = (scene, list(axes), evaluate, points if executor is None else None)
         items = range(len(points)) if executor is None else list(enumerate(points))
@@ -94,9 +93,7 @@ def sweep(
         name: ((name,), values, {"units": units.get(name, "1")}) for name, values in axes.items()
     }
     if len(variables) == 1:
-        first = next(place for place in range(len(points)))
-        reason = rows[first]["failure"]
-        raise _core.Error(f"no point of the sweep has a result; the first one: {reason}")
+        raise _core.Error(f"no point of the sweep has a result; the first one: {rows[0]['failure']}")
     described = of if isinstance(of, str) else getattr(of, "__qualname__", repr(of))
     return table(variables, coordinates, scene._attributes(of=described))
 
@@ -111,11 +108,16 @@ def _evaluated(common: tuple[Any, ...], batch: Sequence[Any]) -> list[dict[str, 
 def _row(scene: Scene, values: dict[str, float], evaluate: Callable[[Scene], Any]) -> dict[str, Any]:
     try:
         found = evaluate(scene.with_values(values))
+        if not isinstance(found, Mapping):
+            found = {"value": found}
+        plain = {str(key): value.item() if hasattr(value, "item") else value for key, value in found.items()}
     except Exception as error:
         return {"failure": f"{error}" if isinstance(error, _core.Error) else f"{type(error).__name__}: {error}"}
-    if not isinstance(found, Mapping):
-        found = {"value": found}
-    plain = {str(key): value.item() if hasattr(value, "item") else value for key, value in found.items()}
+    for key, value in plain.items():
+        if key in values:
+            return {"failure": f"the function gives {key}, which is the name of a parameter of the sweep"}
+        if not isinstance(value, _PLAIN):
+            return {"failure": f"the function gives {key} = {value!r}, which is neither a number nor a text"}
     return {**plain, "failure": plain.get("failure", "")}
 
 
@@ -140,6 +142,8 @@ def _motion(scene: Scene) -> dict[str, Any]:
     return {key: found[key][0].item() for key in (*_MOTION, "failure")}
 
 
+_PLAIN = (bool, int, float, complex, str, type(None))
+"""Types of results that a table can have."""
 _EVALUATIONS: dict[str, Callable[[Scene], Any]] = {"growth": _growth, "verdict": _verdict, "motion": _motion}
 _MOTION = (
     "kind",
