@@ -13,7 +13,7 @@ All quantities are in SI units. Tables are `xarray.Dataset` where xarray is inst
 elsewhere.
 """
 
-from ._core import (
+from ._errors import (
     AnalysisError,
     ArgumentError,
     EquilibriumError,

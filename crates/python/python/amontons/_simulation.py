@@ -43,7 +43,7 @@ class Simulation:
 
     def __init__(self, scene: Scene, start_time: float = 0.0) -> None:
         self._scene = scene
-        self._core = _core.Simulation(scene._core, float(start_time))
+        self._core = _core.Simulation(scene._core, scene.hash, float(start_time))
 
     @property
     def scene(self) -> Scene:
@@ -55,6 +55,11 @@ class Simulation:
         """Present time, s."""
         return self._core.time
 
+    @property
+    def internal_step(self) -> float:
+        """The internal step, s."""
+        return self._core.step
+
     def advance_to(self, time: float) -> None:
         """Advances to a time (s), with inputs held.
 
@@ -65,12 +70,15 @@ class Simulation:
         StepError
             For a time in the past, or a step that fails.
         KeyboardInterrupt
-            If it is interrupted. The motion within a step is lost then: restore a saved state.
+            If it is interrupted. The motion is lost then: restore a saved state, or make a new simulation.
         """
         self._core.advance_to(float(time))
 
-    def step(self, interval: float) -> None:
-        """Advances by a time, s."""
+    def advance_by(self, interval: float) -> None:
+        """Advances by a time (s) from the present one.
+
+        Times add up with rounding; `advance_to` a multiple of the interval does not.
+        """
         self._core.advance_to(self._core.time + float(interval))
 
     def __getitem__(self, name: str) -> float:
@@ -105,7 +113,13 @@ class Simulation:
         return self._core.save()
 
     def restore(self, state: bytes) -> None:
-        """Continues from a state that a simulation of this scene has saved."""
+        """Continues from a state that a simulation of an equal scene has saved.
+
+        Raises
+        ------
+        Error
+            If the state is damaged, or belongs to another scene, other values at the start, or another version.
+        """
         self._core.restore(self._scene._core, state)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from . import _core
+from ._errors import ArgumentError
 from ._executors import Executor, carry_out
 from ._progress import reporting
 from ._tables import columns, table
@@ -16,19 +18,19 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import ArrayLike
 
+    from . import _tables
     from ._scene import Scene
-
     from ._tables import Column
 
-    Table = xarray.Dataset | dict[str, Any]
+    Table = xarray.Dataset | _tables.Table
 
 SHARES = ("share_slide", "share_reverse_slide", "share_stick", "share_detached")
 
 
 def limit_cycles(
     scene: Scene,
+    parameter: str,
     values: ArrayLike,
-    parameter: str = "slider.velocity",
     *,
     resolution: float = 1e-3,
     of: str | None = None,
@@ -42,10 +44,10 @@ def limit_cycles(
 
     Parameters
     ----------
-    values : array-like
-        Ascending values of the parameter.
     parameter : str
         The name of a parameter or input.
+    values : array-like
+        Ascending values of the parameter.
     resolution : float
         Accuracy of the values at which the motion changes, as a part of the distance between two values.
     of : str, optional
@@ -61,8 +63,11 @@ def limit_cycles(
     Returns
     -------
     xarray.Dataset or dict
-        ``kind``, ``amplitude``, ``frequency`` (Hz), ``period`` (s), ``closure``, shares of time in contact states, and
-        ``failure`` over the parameter. The attribute ``thresholds`` has the values between which the motion changes.
+        Over the parameter: ``kind``; ``amplitude`` of the output; ``frequency`` (Hz) of its strongest line; ``period`` (s),
+        after which the whole state returns, and ``closure``, how nearly, in parts of the motion's size; ``time`` (s) until
+        it had settled; shares of time in contact states; ``failure``, the reason why there is no motion.
+        Over ``threshold``: ``threshold_low`` and ``threshold_high``, values between which the motion changes, and
+        ``threshold_changes``.
     """
     from ._scene import _ascending
 
@@ -84,17 +89,22 @@ def limit_cycles(
         if name in variables:
             variables[name][2]["units"] = its
     thresholds = [
-        {"between": threshold["between"], "changes": [_change(change) for change in threshold["changes"]]}
+        {
+            "low": threshold["between"][0],
+            "high": threshold["between"][1],
+            "changes": ", ".join(_change(change) for change in threshold["changes"]),
+        }
         for threshold in result["found"]["thresholds"]
     ]
+    variables.update(columns(thresholds, "threshold", "threshold_"))
     coordinates = {parameter: ((parameter,), _array(result["values"]), {"units": units.get(parameter, "1")})}
-    return table(variables, coordinates, scene._attributes(of=found["look"]["of"], thresholds=thresholds))
+    return table(variables, coordinates, _attributes(scene, found))
 
 
 def perturbations(
     scene: Scene,
-    values: ArrayLike,
     initial: str,
+    values: ArrayLike,
     *,
     resolution: float = 1e-3,
     of: str | None = None,
@@ -108,20 +118,22 @@ def perturbations(
 
     Parameters
     ----------
-    values : array-like
-        Ascending values of the initial value, m or m/s.
     initial : str
-        Its name, such as ``module[1].v2``.
+        The name of an initial value, such as ``module[1].v2``.
+    values : array-like
+        Its ascending values, m or m/s.
     resolution : float
-        Thresholds are found to this part of themselves.
+        The width of the bounds of a threshold, relative to the threshold.
     of, window, interval, longest, executor, progress
         As in `limit_cycles`.
 
     Returns
     -------
     xarray.Dataset or dict
-        ``attractor`` (-1 where there is none), ``kind``, ``amplitude`` and ``frequency`` over the initial value, which
-        has the values of the bisection too. The attributes have ``attractors`` and ``thresholds``.
+        Over the initial value, which has the values of the bisection too: ``attractor``, its number from 0 (-1 where there
+        is none), and the columns of `limit_cycles`. Over ``number``: ``attractor_kind``, ``attractor_amplitude``,
+        ``attractor_frequency`` and ``attractor_period``. Over ``threshold``: ``threshold_low`` and ``threshold_high``, and
+        ``threshold_below`` and ``threshold_above``, the attractors on either side.
     """
     from ._scene import _ascending
 
@@ -141,13 +153,15 @@ def perturbations(
         outcome = {"ending": ending} if ending is not None else {"failure": run["failure"]}
         rows.append({"attractor": attractor, **_outcome(outcome)})
     variables = columns(rows, initial)
-    dimensions, attractor, attributes = variables["attractor"]
-    variables["attractor"] = (dimensions, attractor.astype(int), attributes)
+    variables.update(_attractors(result["attractors"]))
+    thresholds = [
+        dict(zip(("low", "high", "below", "above"), (*threshold["between"], *threshold["attractors"])))
+        for threshold in result["thresholds"]
+    ]
+    variables.update(columns(thresholds, "threshold", "threshold_"))
     amplitudes = _array([run["amplitude"] for run in result["runs"]])
-    attributes = scene._attributes(
-        of=found["look"]["of"], attractors=result["attractors"], thresholds=result["thresholds"]
-    )
-    return table(variables, {initial: ((initial,), amplitudes, {})}, attributes)
+    coordinates = {initial: ((initial,), amplitudes, {"units": _initial_unit(initial)})}
+    return table(variables, coordinates, _attributes(scene, found))
 
 
 def basin(
@@ -177,8 +191,8 @@ def basin(
     Returns
     -------
     xarray.Dataset or dict
-        ``attractor`` (-1 where there is none), and ``run`` (False where it is filled in) over both initial values. The
-        attribute ``attractors`` has the motion of each number.
+        Over both initial values: ``attractor``, its number from 0 (-1 where there is none); ``run``, False where it is
+        filled in; ``failure``, the reason why there is no motion. Over ``number``: the attractors, as in `perturbations`.
     """
     import numpy as np
 
@@ -203,9 +217,11 @@ def basin(
         "run": (dimensions, np.array(run, dtype=bool), {}),
         "failure": (dimensions, np.array(failure, dtype=np.str_), {}),
     }
-    coordinates: dict[str, Column] = {name: ((name,), values, {}) for name, values in axes.items()}
-    attributes = scene._attributes(of=found["look"]["of"], attractors=found["result"]["attractors"])
-    return table(variables, coordinates, attributes)
+    variables.update(_attractors(found["result"]["attractors"]))
+    coordinates: dict[str, Column] = {
+        name: ((name,), values, {"units": _initial_unit(name)}) for name, values in axes.items()
+    }
+    return table(variables, coordinates, _attributes(scene, found))
 
 
 def continuation(
@@ -233,7 +249,8 @@ def continuation(
     Returns
     -------
     dict
-        As in study.json of ``amontons study continuation``: both ways, jumps, ranges with two motions.
+        ``branches``, as in study.json of ``amontons study continuation``: both ways, jumps, ranges with two motions;
+        ``values`` of µ; and the settings of the observation, ``look``.
     """
     from ._scene import FRICTION, _ascending
 
@@ -243,8 +260,7 @@ def continuation(
         "resolution": None if resolution is None else _above_zero(resolution, "resolution"),
         **_observation(of, window, interval, longest),
     }
-    found: dict[str, Any] = _run(scene, request, None, progress, "the continuation")["result"]
-    return found
+    return _whole(_run(scene, request, None, progress, "the continuation"))
 
 
 def orbit(
@@ -265,15 +281,22 @@ def orbit(
         The motion from which it is looked for: ``"run"`` for the one that the scene settles into; ``("mode", n)`` for a
         mode of uniform sliding, counted from 1; ``("between", name, a, b)`` for the boundary between the motions that two
         values of an initial value end in; or an orbit that this function has found, perhaps with other values.
+    of, window, interval, longest, progress
+        As in `limit_cycles`.
 
     Returns
     -------
     dict
-        ``orbit``: its period (s), displacements, velocities, events and Floquet multipliers; ``stable``.
+        ``orbit``: its period (s), displacements, velocities, events and Floquet multipliers; ``stable``; ``ending``, what
+        the run before it ended in; ``boundary``, between which initial values it was found.
+
+    Raises
+    ------
+    AnalysisError
+        If the motion is not periodic, or no orbit is found.
     """
     request = {"study": "orbit", "start": _start(start), **_observation(of, window, interval, longest)}
-    found: dict[str, Any] = _run(scene, request, None, progress, "the orbit")["result"]
-    return found
+    return _whole(_run(scene, request, None, progress, "the orbit"))
 
 
 def branches(
@@ -311,7 +334,7 @@ def branches(
     from ._scene import _ascending
 
     if points < 0:
-        raise _core.ArgumentError(f"points = {points!r} is impossible; give zero or more")
+        raise ArgumentError(f"points = {points!r} is impossible; give zero or more")
     request = {
         "study": "branches",
         "parameter": parameter,
@@ -320,8 +343,7 @@ def branches(
         "points": int(points),
         **_observation(of, window, interval, longest),
     }
-    found: dict[str, Any] = _run(scene, request, None, progress, "the branches")["result"]
-    return found
+    return _whole(_run(scene, request, None, progress, "the branches"))
 
 
 def transient(
@@ -356,6 +378,34 @@ def transient(
     return found
 
 
+def motion(scene: Scene) -> dict[str, Any]:
+    """The motion that the scene settles into from its start, as one row of `limit_cycles`, and the unit of its amplitude."""
+    found = _run(scene, {"study": "motion", **_observation(None, None, None, None)}, None, None, "the motion")
+    row = _outcome({"ending": found["result"]})
+    return {key: row[key] for key in ("kind", "amplitude", "frequency", "period", *SHARES)}
+
+
+def _whole(found: dict[str, Any]) -> dict[str, Any]:
+    """The result of a study beside the settings of its observation."""
+    return {"look": found["look"], **found["result"]}
+
+
+def _attributes(scene: Scene, found: dict[str, Any]) -> dict[str, Any]:
+    look, pace = found["look"], found["pace"]
+    return scene._attributes(**look, integrator=pace["method"], step=pace["step"])
+
+
+def _attractors(endings: Sequence[dict[str, Any]]) -> dict[str, Column]:
+    keys = ("kind", "amplitude", "frequency", "period")
+    rows = [_outcome({"ending": ending}) for ending in endings]
+    return columns([{key: row[key] for key in keys} for row in rows], "number", "attractor_")
+
+
+def _initial_unit(name: str) -> str:
+    """The unit of an initial value, whose name ends as that of a velocity or of a displacement."""
+    return "m/s" if name.rpartition(".")[2].startswith("v") else "m"
+
+
 def _run(
     scene: Scene,
     request: dict[str, Any],
@@ -367,11 +417,12 @@ def _run(
     try:
         text = json.dumps(request, allow_nan=False)
     except ValueError:
-        raise _core.ArgumentError("all numbers of an orbit must be finite") from None
+        raise ArgumentError("all numbers of an orbit must be finite") from None
+    scene._warn_of_doubts()
     study = _core.Study(scene._core, text)
     with reporting(progress, what) as report:
         if executor is None:
-            return json.loads(study.run(report))
+            return _told(json.loads(study.run(report)))
         known: dict[str, str] = {}
         left = 1.0
         while True:
@@ -379,7 +430,7 @@ def _run(
             if result is not None:
                 if report:
                     report(1.0)
-                return json.loads(result)
+                return _told(json.loads(result))
             common = (scene, text, list(known.items()), missing)
 
             def tell(part: float, left: float = left) -> None:
@@ -392,6 +443,14 @@ def _run(
             if len(known) == before:
                 raise RuntimeError(f"{what} have not advanced: {len(missing)} pieces are missing")
             left *= 0.5
+
+
+def _told(found: Any) -> Any:
+    """The result of a study, after a warning of values that it has left out."""
+    note = found["result"].get("note") if "result" in found else None
+    if note:
+        warnings.warn(note, stacklevel=4)
+    return found
 
 
 def _pieces(common: tuple[Any, ...], keys: Sequence[str]) -> list[tuple[str, str]]:
@@ -412,7 +471,7 @@ def _observation(
 def _above_zero(value: float, name: str) -> float:
     number = float(value)
     if not 0.0 < number < float("inf"):
-        raise _core.ArgumentError(f"{name} = {value!r} is impossible; give a finite number above zero")
+        raise ArgumentError(f"{name} = {value!r} is impossible; give a finite number above zero")
     return number
 
 
@@ -427,7 +486,7 @@ def _start(start: Any) -> Any:
             return {"between": [str(name), [float(a), float(b)]]}
         case {"orbit": {"period": _} as known} | ({"period": _} as known):
             return {"orbit": known}
-    raise _core.ArgumentError(
+    raise ArgumentError(
         f"{start!r} is no start of an orbit; give 'run', ('mode', 1), ('between', 'module[1].v2', 0.0, 0.1), or an orbit "
         "that was found before"
     )

@@ -4,26 +4,34 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from math import tau
 from typing import TYPE_CHECKING, Any
 
 from . import _core
+from ._errors import ArgumentError, Error
 from ._executors import Executor, carry_out
 from ._progress import reporting
 from ._scene import Scene, _ascending
+from ._studies import motion
 from ._tables import columns, table
 
 if TYPE_CHECKING:
     import xarray
     from numpy.typing import ArrayLike
 
+    from ._tables import Table
+
 
 def sweep(
     scene: Scene,
     parameters: Mapping[str, ArrayLike],
     of: str | Callable[[Scene], Any] = "growth",
+    *,
+    at: float | None = None,
     executor: Executor | None = None,
     progress: Callable[[float], object] | bool | None = None,
-) -> xarray.Dataset | dict[str, Any]:
+) -> xarray.Dataset | Table:
     """Evaluates a scene at every combination of the values of some parameters.
 
     Parameters
@@ -43,8 +51,11 @@ def sweep(
             the motion that the scene settles into: ``kind``, ``amplitude`` of the first displacement (m),
             ``frequency`` (Hz), ``period`` (s), and shares of time in contact states;
         a function of a scene
-            its result is a number, a text, or a dictionary of these. Executors of processes need a function that can be
-            pickled, as those of a module can.
+            which returns a number, a text, or a dictionary of numbers and texts. Other processes import the function by
+            its name, so it must be in a module of its own.
+    at : float, optional
+        The instant at which ``"growth"`` and ``"verdict"`` take the signals of the scene, s; by default 0, with a warning
+        of what they leave out.
     executor : object with submit, optional
         Where the work is done: an executor of `concurrent.futures`, `dask.distributed` (a client too) or
         `mpi4py.futures`; by default threads of this process. The result does not depend on it.
@@ -66,13 +77,19 @@ def sweep(
     """
     evaluate = _EVALUATIONS.get(of) if isinstance(of, str) else of
     if not callable(evaluate):
-        raise _core.ArgumentError(f"of = {of!r} is none of {', '.join(_EVALUATIONS)}, and no function of a scene")
+        raise ArgumentError(f"of = {of!r} is none of {', '.join(_EVALUATIONS)}, and no function of a scene")
+    if at is not None and of not in _AT_INSTANT:
+        raise ArgumentError(f"at is the instant of {' and '.join(_AT_INSTANT)}; of = {of!r} has none")
     if not parameters:
-        raise _core.ArgumentError("a sweep needs at least one parameter")
+        raise ArgumentError("a sweep needs at least one parameter")
     axes = {str(name): _ascending(values, name) for name, values in parameters.items()}
     for name in axes:
         # A misspelt name is an error of the whole sweep, not of each point.
         scene[name]
+    if of in _AT_INSTANT:
+        for name in axes:
+            _core.check_undriven(scene._core, name)
+        evaluate = partial(evaluate, at=scene._instant(at))
     points = list(itertools.product(*(values.tolist() for values in axes.values())))
     rows: dict[int, dict[str, Any]] = {}
     items: Sequence[Any]
@@ -84,18 +101,20 @@ def sweep(
             rows.update(zip(places, found))
     shape = tuple(len(values) for values in axes.values())
     flat = columns([rows[place] for place in range(len(points))], "point")
+    units = scene._units()
+    # A function of the user's has units of its own.
+    known = {**_UNITS, "amplitude": units[scene.displacement_names[0]]} if isinstance(of, str) else {}
     variables = {
-        name: (tuple(axes), values.reshape(shape), {"units": _UNITS[name]} if name in _UNITS else {})
+        name: (tuple(axes), values.reshape(shape), {"units": known[name]} if name in known else {})
         for name, (_, values, _) in flat.items()
     }
-    units = scene._units()
     coordinates = {
         name: ((name,), values, {"units": units.get(name, "1")}) for name, values in axes.items()
     }
     if len(variables) == 1:
-        raise _core.Error(f"no point of the sweep has a result; the first one: {rows[0]['failure']}")
+        raise Error(f"no point of the sweep has a result; the first one: {rows[0]['failure']}")
     described = of if isinstance(of, str) else getattr(of, "__qualname__", repr(of))
-    return table(variables, coordinates, scene._attributes(of=described))
+    return table(variables, coordinates, scene._attributes(of=described, **({"at": scene._instant(at)} if of in _AT_INSTANT else {})))
 
 
 def _evaluated(common: tuple[Any, ...], batch: Sequence[Any]) -> list[dict[str, Any]]:
@@ -112,7 +131,7 @@ def _row(scene: Scene, values: dict[str, float], evaluate: Callable[[Scene], Any
             found = {"value": found}
         plain = {str(key): value.item() if hasattr(value, "item") else value for key, value in found.items()}
     except Exception as error:
-        return {"failure": f"{error}" if isinstance(error, _core.Error) else f"{type(error).__name__}: {error}"}
+        return {"failure": f"{error}" if isinstance(error, Error) else f"{type(error).__name__}: {error}"}
     for key, value in plain.items():
         if key in values:
             return {"failure": f"the function gives {key}, which is the name of a parameter of the sweep"}
@@ -121,38 +140,18 @@ def _row(scene: Scene, values: dict[str, float], evaluate: Callable[[Scene], Any
     return {**plain, "failure": plain.get("failure", "")}
 
 
-def _growth(scene: Scene) -> dict[str, float]:
-    import numpy as np
-
-    fastest = max(scene.eigenvalues().tolist(), key=lambda value: value.real)
-    return {"growth_rate": fastest.real, "frequency": abs(fastest.imag) / (2 * np.pi)}
+def _growth(scene: Scene, at: float) -> dict[str, float]:
+    fastest = max(scene.eigenvalues(at=at).tolist(), key=lambda value: value.real)
+    return {"growth_rate": fastest.real, "frequency": abs(fastest.imag) / tau}
 
 
-def _verdict(scene: Scene) -> dict[str, str]:
-    return {"verdict": scene.verdict()}
-
-
-def _motion(scene: Scene) -> dict[str, Any]:
-    from ._studies import limit_cycles
-
-    name = "friction.coefficient" if "friction.coefficient" in scene.variables else next(
-        name for name, variable in scene.variables.items() if variable.value is not None
-    )
-    found = limit_cycles(scene, [scene[name]], name, resolution=1.0)
-    return {key: found[key][0].item() for key in (*_MOTION, "failure")}
+def _verdict(scene: Scene, at: float) -> dict[str, str]:
+    return {"verdict": scene.verdict(at=at)}
 
 
 _PLAIN = (bool, int, float, complex, str, type(None))
 """Types of results that a table can have."""
-_EVALUATIONS: dict[str, Callable[[Scene], Any]] = {"growth": _growth, "verdict": _verdict, "motion": _motion}
-_MOTION = (
-    "kind",
-    "amplitude",
-    "frequency",
-    "period",
-    "share_slide",
-    "share_reverse_slide",
-    "share_stick",
-    "share_detached",
-)
-_UNITS = {"growth_rate": "1/s", "frequency": "Hz", "amplitude": "m", "period": "s"}
+_EVALUATIONS: dict[str, Callable[..., Any]] = {"growth": _growth, "verdict": _verdict, "motion": motion}
+_AT_INSTANT = ("growth", "verdict")
+"""Evaluations that know no time."""
+_UNITS = {"growth_rate": "1/s", "frequency": "Hz", "period": "s"}
