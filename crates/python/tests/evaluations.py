@@ -38,6 +38,14 @@ def fails_above_one(scene):
     return scene["friction.coefficient"]
 
 
+def fails_once(marker, batch):
+    """The batch; the first call of all fails."""
+    if not Path(marker).exists():
+        Path(marker).touch()
+        raise ConnectionError("the worker is lost")
+    return list(batch)
+
+
 def end_process():
     """Kills the process that calls it."""
     os._exit(9)

@@ -11,6 +11,7 @@ import amontons
 import evaluations
 import numpy as np
 import pytest
+from amontons._executors import carry_out
 from conftest import bytes_of
 from test_executors import MU, STUDIES, check_all
 
@@ -35,6 +36,13 @@ def expected(held):
 @pytest.mark.parametrize("of", ["client", "executor"])
 def test_dask_gives_the_same_bytes(client, held, expected, of):
     check_all(held, expected, client if of == "client" else client.get_executor())
+
+
+@pytest.mark.parametrize("of", ["client", "executor"])
+def test_dask_computes_a_task_that_failed_anew(client, tmp_path, of):
+    executor = client if of == "client" else client.get_executor()
+    found = carry_out(evaluations.fails_once, str(tmp_path / "marker"), [1, 2, 3], executor, None)
+    assert sorted(item for batch, _ in found for item in batch) == [1, 2, 3]
 
 
 def test_dask_finishes_when_a_worker_is_killed(client, set1):

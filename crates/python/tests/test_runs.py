@@ -99,6 +99,9 @@ def test_stepping_reads_what_a_run_records(set1):
         row = [run[name].values[place] for name in run.data_vars]
         assert simulation.read(run.data_vars).tolist() == row
         assert simulation["module[1].x1"] == row[0]
+        motion = zip(set1.displacement_names, simulation.displacement, simulation.velocity)
+        for name, displacement, velocity in motion:
+            assert simulation[name] == displacement and simulation[name.replace(".x", ".v")] == velocity
 
 
 def test_a_changed_parameter_acts_from_then_on_and_is_saved(set1):

@@ -81,12 +81,16 @@ def test_the_coefficient_at_which_set1_begins_to_squeal_is_that_of_its_matrices(
     while high - low > 1e-12:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if of_set1(middle).real.max() > 0 else (middle, high)
-    locus = set1.locus(np.linspace(1.0, 1.5, 6))
+    values = np.linspace(1.0, 1.5, 7)
+    locus = set1.locus(values)
     [(value, mode, frequency, grows)] = locus.attrs["crossings"]
     fastest = max(of_set1(low), key=lambda value: value.real)
     assert abs(value - low) < 1e-8 and grows
     assert frequency == pytest.approx(fastest.imag / (2 * np.pi), rel=1e-6)
-    assert locus["growth_rate"].sizes == {"mode": 6, "friction.coefficient": 6}
+    assert locus["growth_rate"].sizes == {"mode": 6, "friction.coefficient": 7}
+    for place, value in enumerate(values):
+        expected = np.sort(of_set1(value).real)
+        assert np.abs(np.sort(locus["growth_rate"].values[:, place]) - expected).max() < 1e-9
 
 
 def test_the_modes_of_hoffmanns_model_merge_where_the_discriminant_vanishes():

@@ -126,13 +126,13 @@ class _Tasks:
 
     def submit(self, batch: Sequence[Any], attempt: int = 1) -> None:
         try:
-            future = self.executor.submit(_timed, self.work, self.common, batch)
+            future = self.executor.submit(_timed, self.work, self.common, batch, attempt)
         except BrokenExecutor as error:
             if self.own:
                 raise
             warnings.warn(f"the executor takes no more work ({error}); this process does the rest", stacklevel=6)
             self.executor = self.own = _OwnThreads()
-            future = self.executor.submit(_timed, self.work, self.common, batch)
+            future = self.executor.submit(_timed, self.work, self.common, batch, attempt)
         self.waiting[future] = batch, attempt
         future.add_done_callback(self.finished.put)
 
@@ -169,8 +169,11 @@ class _Tasks:
             self.own.end()
 
 
-def _timed(work: Callable[..., Any], common: Any, batch: Sequence[Any]) -> tuple[float, Any]:
-    """The result of a task, and how long each of its items took, s. Many tasks share the cores, so none starts threads."""
+def _timed(work: Callable[..., Any], common: Any, batch: Sequence[Any], attempt: int) -> tuple[float, Any]:
+    """The result of a task, and how long each of its items took, s. Many tasks share the cores, so none starts threads.
+
+    Dask remembers the failure of a task for all equal ones; `attempt` makes a task that is done again another one.
+    """
     begin = time.perf_counter()
     result = _core.on_this_thread(lambda: work(common, batch))
     return (time.perf_counter() - begin) / len(batch), result

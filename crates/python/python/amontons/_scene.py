@@ -268,8 +268,6 @@ class Scene:
         from html import escape
 
         drawing = self._repr_svg_() or ""
-        # The declaration of an XML file has no place within HTML.
-        drawing = drawing[drawing.find("<svg") :]
         return f"<figure>{drawing}<figcaption>{escape(repr(self)[1:-1])}. {escape(self.description)}</figcaption></figure>"
 
     def draw(self, path: str | os.PathLike[str] | None = None) -> Drawing:
