@@ -27,6 +27,10 @@ mod study;
 /// Compiled part of the package `amontons`.
 #[pyo3::pymodule(gil_used = false)]
 mod _core {
+    /// Version of Amontons.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+
     #[pymodule_export]
     use crate::export::export;
     #[pymodule_export]

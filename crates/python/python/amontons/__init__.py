@@ -13,6 +13,7 @@ All quantities are in SI units. Tables are `xarray.Dataset` where xarray is inst
 elsewhere.
 """
 
+from ._core import VERSION as __version__
 from ._errors import (
     AnalysisError,
     ArgumentError,

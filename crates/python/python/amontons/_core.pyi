@@ -7,6 +7,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+VERSION: str
+
 _T = TypeVar("_T")
 _Progress = Callable[[float], object] | None
 

@@ -9,10 +9,12 @@ import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolExecutor
+from pickle import PicklingError
 from typing import Any, Protocol, TypeVar
 
 from . import _core
+from ._errors import ArgumentError, Error
 from ._progress import ended_by
 
 Item = TypeVar("Item")
@@ -29,11 +31,11 @@ ATTEMPTS = 4
 
 
 class Executor(Protocol):
-    """Where work is done: `concurrent.futures` has executors of threads and processes, `dask.distributed` and
+    """Something that does work: `concurrent.futures` has executors of threads and processes, `dask.distributed` and
     `mpi4py.futures` those of clusters."""
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Any:
-        """Has a function called, and gives a future of its result."""
+        """Begins a call of a function, and returns a future of the result."""
 
 
 def carry_out(
@@ -46,8 +48,9 @@ def carry_out(
     """Calls ``work(common, batch)`` for batches of the items on an executor, and yields each batch with its result as
     they come.
 
-    A task lasts about a second. A task whose worker is lost is done again; where the executor takes no more tasks, the
-    rest is done by threads of this process. Without an executor, all of it is.
+    A task lasts about a second. A task whose worker is lost is done again; where the executor takes no more tasks, each
+    is done by a process of its own. The result is None where the worker is lost each time. Without an executor, threads of
+    this process do all of it.
     """
     tasks = _Tasks(work, common, items, executor)
     done = 0
@@ -76,7 +79,7 @@ class _OwnThreads:
     """Threads of this process, whose work can be ended."""
 
     def __init__(self) -> None:
-        self.pool = ThreadPoolExecutor(os.cpu_count())
+        self.pool = ThreadPoolExecutor(_cores())
         self.is_over = threading.Event()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Any:
@@ -91,6 +94,29 @@ class _OwnThreads:
         self.pool.shutdown(wait=True, cancel_futures=True)
 
 
+class _OwnProcesses:
+    """A process for each task, at most as many at a time as there are cores: one that dies takes no other task with it."""
+
+    def __init__(self, context: Any) -> None:
+        self.context = context
+        self.pool = ThreadPoolExecutor(_cores())
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Any:
+        return self.pool.submit(self._call, function, *arguments)
+
+    def _call(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        with ProcessPoolExecutor(1, mp_context=self.context) as pool:
+            return pool.submit(function, *arguments).result()
+
+    def end(self) -> None:
+        self.pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _cores() -> int:
+    """The number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 class _Tasks:
     """Tasks on an executor, or on threads of this process."""
 
@@ -98,11 +124,11 @@ class _Tasks:
         self.work = work
         self.common = common
         # How long an item lasts is learnt from some that are spread over all.
-        single = range(0, len(items), max(1, len(items) // SINGLE))
+        single = range(0, len(items), max(1, -(-len(items) // SINGLE)))
         self.first = [items[place] for place in single]
         self.rest = deque(item for place, item in enumerate(items) if place not in single)
-        self.own = _OwnThreads() if executor is None else None
-        """Threads of this process, without an executor and after it has broken."""
+        self.own: _OwnThreads | _OwnProcesses | None = _OwnThreads() if executor is None else None
+        """Workers of this module's own, without an executor and after it has broken."""
         self.executor: Executor = self.own or _futures(executor)
         self.finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.waiting: dict[Any, tuple[Sequence[Any], int]] = {}
@@ -130,14 +156,15 @@ class _Tasks:
         except BrokenExecutor as error:
             if self.own:
                 raise
-            warnings.warn(f"the executor takes no more work ({error}); this process does the rest", stacklevel=6)
-            self.executor = self.own = _OwnThreads()
+            warnings.warn(f"the executor takes no more work ({error}); processes of their own do the rest", stacklevel=6)
+            # Not in this process: what has ended a worker would end it too.
+            self.executor = self.own = _OwnProcesses(getattr(self.executor, "_mp_context", None))
             future = self.executor.submit(_timed, self.work, self.common, batch, attempt)
         self.waiting[future] = batch, attempt
         future.add_done_callback(self.finished.put)
 
     def next(self) -> tuple[Sequence[Any], tuple[float, Any]]:
-        """Waits for a task; gives its batch, the seconds of an item and its result."""
+        """Waits for a task; gives its batch, the seconds of an item and its result, None where its worker is lost each time."""
         while True:
             future = self._finished()
             if future not in self.waiting:
@@ -146,13 +173,22 @@ class _Tasks:
             batch, attempt = self.waiting.pop(future)
             try:
                 return batch, future.result()
-            except _core.Error:
+            except Error:
                 raise
             except Exception as error:
                 # Workers are lost in ways that each executor names as it likes.
-                if attempt == ATTEMPTS:
+                if isinstance(error, PicklingError) or "pickle" in str(error):
+                    raise ArgumentError(
+                        f"the work cannot be sent to another process: {error}; a function must be in a module of its own"
+                    ) from error
+                if attempt < ATTEMPTS:
+                    # Items that have done nothing are parted from one that ends its workers.
+                    for item in batch:
+                        self.submit([item], attempt + 1)
+                elif isinstance(error, BrokenExecutor):
+                    return batch, (TASK_SECONDS, None)
+                else:
                     raise RuntimeError(f"a task failed {ATTEMPTS} times: {error}") from error
-                self.submit(batch, attempt + 1)
 
     def _finished(self) -> Any:
         # A wait without an end cannot be interrupted on every system.

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from . import _core, _studies
+from ._errors import ArgumentError, Error
 from ._progress import reporting
-from ._tables import names_of, table
+from ._tables import columns, names_of, table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
     from ._core import Scene as CoreScene
     from ._simulation import Simulation
 
-    Table = xarray.Dataset | dict[str, Any]
+    from . import _tables
+
+    Table = xarray.Dataset | _tables.Table
 
 FRICTION = "friction.coefficient"
 
@@ -84,6 +87,9 @@ class Scene:
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a scene does not change; with_values gives another one")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError("a scene does not change")
 
     @classmethod
     def builtin(cls, name: str) -> Scene:
@@ -210,8 +216,12 @@ class Scene:
 
     @property
     def hash(self) -> str:
-        """A hash of the scene's files, the values that were changed, and method and step: the same on every machine."""
-        state = [self._core.text, self._core.tables, sorted(self.values.items()), self._core.integrator]
+        """A hash of the scene's name and files, the values that were changed, and method and step.
+
+        It is the same on every machine. Scenes are equal if their hashes are.
+        """
+        core = self._core
+        state = [core.name, core.text, core.tables, sorted(core.values), core.integrator]
         return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
     @property
@@ -238,17 +248,14 @@ class Scene:
         return self._core.value(name)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Scene) and self._state() == other._state()
+        return isinstance(other, Scene) and self.hash == other.hash
 
     def __hash__(self) -> int:
         return int(self.hash[:15], 16)
 
-    def _state(self) -> tuple[Any, ...]:
-        core = self._core
-        return core.name, core.text, core.tables, core.values, core.integrator
-
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, self._state()
+        core = self._core
+        return _restored, (core.name, core.text, core.tables, core.values, core.integrator)
 
     def __repr__(self) -> str:
         count, dofs = self._core.contact_count, len(self._core.dof_names)
@@ -260,7 +267,7 @@ class Scene:
         """The drawing, for a notebook; None where the scene is too large to be drawn."""
         try:
             return self._core.svg()
-        except _core.Error:
+        except Error:
             return None
 
     def _repr_html_(self) -> str:
@@ -283,8 +290,21 @@ class Scene:
         return Drawing(self._core.svg())
 
     def _attributes(self, **more: Any) -> dict[str, Any]:
+        """Attributes of a table: numbers and texts."""
         values = json.dumps(self.values)
-        return {"scene": self.name, "scene_hash": self.hash, "scene_values": values, **more}
+        known = {"amontons": _core.VERSION, "scene": self.name, "scene_hash": self.hash, "scene_values": values}
+        return {**known, **more}
+
+    def _instant(self, at: float | None) -> float:
+        """The instant of an analysis that knows no time, s; by default 0, with a warning of what it leaves out."""
+        left_out = _core.left_out(self._core, float(at or 0.0)) if at is None else None
+        if left_out:
+            warnings.warn(f"{left_out}; `at` selects another instant", stacklevel=3)
+        return float(at or 0.0)
+
+    def _warn_of_doubts(self) -> None:
+        for doubt in self._core.doubts:
+            warnings.warn(doubt, stacklevel=4)
 
     def _units(self) -> dict[str, str]:
         return {row[0]: row[3] for row in self._core.variables()}
@@ -321,6 +341,7 @@ class Scene:
         True
         """
         names = None if outputs is None else names_of(outputs)
+        self._warn_of_doubts()
         with reporting(progress, "the run") as report:
             times, columns, doubts = _core.run(self._core, stop_time, output_interval, names, report)
         for doubt in doubts:
@@ -341,7 +362,7 @@ class Scene:
         return Simulation(self, start_time)
 
     def eigenvalues(
-        self, state: str | None = None, friction: float | None = None, at: float = 0.0
+        self, state: str | None = None, friction: float | None = None, at: float | None = None
     ) -> NDArray[np.complex128]:
         """Complex eigenvalues of a contact state.
 
@@ -361,10 +382,10 @@ class Scene:
             λ in 1/s: first those that oscillate, one of each conjugate pair (Im λ > 0), by frequency; then the real
             ones. A positive real part grows.
         """
-        return _core.eigenvalues(self._core, state, friction, at)
+        return _core.eigenvalues(self._core, state, friction, self._instant(at))
 
     def modes(
-        self, state: str | None = None, friction: float | None = None, at: float = 0.0
+        self, state: str | None = None, friction: float | None = None, at: float | None = None
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
         """Eigenvalues of a contact state as `eigenvalues` gives them, and the shapes of their modes.
 
@@ -374,90 +395,119 @@ class Scene:
         shapes : ndarray of complex, shape (modes, degrees of freedom)
             The largest component of each is 1.
         """
-        return _core.modes(self._core, state, friction, at)
+        return _core.modes(self._core, state, friction, self._instant(at))
 
     def states(
         self,
         friction: float | None = None,
-        at: float = 0.0,
+        at: float | None = None,
         progress: Callable[[float], object] | bool | None = None,
     ) -> dict[str, NDArray[np.complex128]]:
         """Eigenvalues of all contact states, by their names; for up to eight contacts."""
         with reporting(progress, "the contact states") as report:
-            return dict(_core.states(self._core, friction, at, report))
+            return dict(_core.states(self._core, friction, self._instant(at), report))
 
     def locus(
         self,
+        parameter: str,
         values: ArrayLike,
-        parameter: str = FRICTION,
+        *,
         state: str | None = None,
-        at: float = 0.0,
+        at: float | None = None,
         progress: Callable[[float], object] | bool | None = None,
     ) -> Table:
         """Follows the modes of a contact state over the values of a parameter.
 
         Parameters
         ----------
-        values : array-like
-            Ascending values of the parameter, at least two.
         parameter : str
             The name of the parameter.
+        values : array-like
+            Ascending values of the parameter, at least two.
         state, at
             As in `eigenvalues`.
+        progress : callable or bool, optional
+            As in `simulate`.
 
         Returns
         -------
         xarray.Dataset or dict
-            ``growth_rate`` (1/s) and ``frequency`` (Hz) over ``mode`` and the parameter. The attribute ``crossings``
-            has (value, mode, frequency, begins to grow) of each mode whose growth rate changes its sign; ``mergings``
-            has (value, modes, frequency, merge or part).
+            Over ``mode`` (from 1, in the order at the first value) and the parameter: ``growth_rate`` (1/s) and
+            ``frequency`` (Hz).
+            Over ``crossing``, for each mode that begins or ceases to grow: ``crossing_value`` of the parameter,
+            ``crossing_mode``, ``crossing_frequency`` (Hz), and ``crossing_begins``, True if it grows above that value.
+            Over ``merging``, for each two modes that merge or part: ``merging_value``, ``merging_first`` and
+            ``merging_second``, the modes, ``merging_frequency`` (Hz), and ``merging_begins``, True if they merge as the
+            parameter grows.
+            Over ``undecided``: values near which modes could not be told apart, so that they may have changed numbers.
 
         Examples
         --------
-        >>> locus = amontons.Scene.builtin("set1").locus(np.linspace(1.0, 1.5, 11))
-        >>> round(locus.attrs["crossings"][0][0], 6)
-        1.183611
+        >>> locus = amontons.Scene.builtin("set1").locus("friction.coefficient", [1.0, 1.25, 1.5])
+        >>> [round(float(value), 6) for value in locus["crossing_value"]]
+        [1.183611]
         """
         import numpy as np
 
-        values = _ascending(values, parameter)
+        values, instant = _ascending(values, parameter), self._instant(at)
         with reporting(progress, "the locus") as report:
-            found = _core.locus(self._core, parameter, values.tolist(), state, at, report)
-        eigenvalues = found.pop("eigenvalue")
+            found = _core.locus(self._core, parameter, values.tolist(), state, instant, report)
+        eigenvalues = found["eigenvalue"]
         dimensions = ("mode", parameter)
         variables = {
             "growth_rate": (dimensions, eigenvalues.real, {"units": "1/s"}),
             "frequency": (dimensions, eigenvalues.imag / (2 * np.pi), {"units": "Hz"}),
+            **columns(_crossings(found["crossings"]), "crossing", "crossing_"),
+            **columns(_mergings(found["mergings"]), "merging", "merging_"),
         }
         coordinates = {
-            "mode": (("mode",), np.arange(len(eigenvalues)), {}),
+            "mode": (("mode",), np.arange(1, len(eigenvalues) + 1), {}),
             parameter: ((parameter,), values, {"units": self._units().get(parameter, "1")}),
+            "undecided": (("undecided",), np.array(found["undecided"], dtype=float), {}),
         }
-        return table(variables, coordinates, self._attributes(state=state or "uniform sliding", **found))
+        attributes = self._attributes(state=state or "uniform sliding", at=instant)
+        return table(variables, coordinates, attributes)
 
     def candidates(
         self,
         first: float,
         last: float,
-        at: float = 0.0,
+        *,
+        at: float | None = None,
         progress: Callable[[float], object] | bool | None = None,
     ) -> dict[str, Any]:
         """Bi-stable candidates over a range of the friction coefficient.
 
+        Parameters
+        ----------
+        first, last : float
+            The range of µ.
+        at
+            As in `eigenvalues`.
+        progress : callable or bool, optional
+            As in `simulate`.
+
         Returns
         -------
         dict
-            ``stable``: ranges of µ in which uniform sliding is stable; ``candidates``: modes of other contact states that
-            grow there, each with its state, range of µ, frequencies (Hz) and the push (m/s) that the state needs;
-            ``crossings`` as in `locus`; ``equilibrium``: ranges of µ in which there is one.
+            ``range``: the range of µ that was analysed, up to the static friction; ``equilibrium``: ranges in which there is
+            an equilibrium; ``stable``: ranges in which uniform sliding is stable; ``crossings``: where its modes begin or
+            cease to grow, as in `locus`.
+            ``candidates``: modes of other contact states that grow in a stable range, what is easiest to reach first. Each
+            has its ``state``; the number of states that symmetry makes equal (``alike``); the ``range`` of µ;
+            ``begins``, True if it begins to grow at the start of the range; ``frequency`` (Hz) there;
+            ``frequency_at_end`` (Hz) and ``growth_rate_at_end`` (1/s); and the least ``energy`` (J) and ``push`` (m/s) that a
+            motion has had before the contacts were in this state, None where no motion reaches it.
         """
         first, last = _ascending([first, last], FRICTION).tolist()
         if first < 0.0:
-            raise _core.ArgumentError(f"{FRICTION} = {first!r} is impossible; give a range from zero or above")
+            raise ArgumentError(f"{FRICTION} = {first!r} is impossible; give a range from zero or above")
+        instant = self._instant(at)
         with reporting(progress, "the contact states") as report:
-            return _core.candidates(self._core, (first, last), at, report)
+            found = _core.candidates(self._core, (first, last), instant, report)
+        return {**found, "crossings": _crossings(found["crossings"])}
 
-    def equilibrium(self, at: float = 0.0) -> dict[str, dict[str, float]]:
+    def equilibrium(self, at: float | None = None) -> dict[str, dict[str, float]]:
         """The equilibrium in uniform sliding.
 
         Returns
@@ -470,7 +520,7 @@ class Scene:
         EquilibriumError
             If there is none: the scene jams, or a contact opens.
         """
-        displacement, normal, friction = (part.tolist() for part in _core.equilibrium(self._core, at))
+        displacement, normal, friction = (part.tolist() for part in _core.equilibrium(self._core, self._instant(at)))
         contacts = self._core.contact_names
         return {
             "displacement": dict(zip(self._core.dof_names, displacement)),
@@ -478,7 +528,7 @@ class Scene:
             "friction_force": dict(zip(contacts, friction)),
         }
 
-    def verdict(self, at: float = 0.0) -> str:
+    def verdict(self, at: float | None = None) -> str:
         """The verdict of the eigenvalue analysis on uniform sliding, as maps of ``amontons-stability`` have it.
 
         One of ``stable``, ``candidate``, ``candidate if a contact opens or reverses``, ``unstable``, ``no equilibrium in
@@ -487,7 +537,7 @@ class Scene:
         >>> amontons.Scene.builtin("set1").verdict()
         'unstable'
         """
-        return _core.verdict(self._core, at)[0]
+        return _core.verdict(self._core, self._instant(at))
 
     def export(
         self,
@@ -535,6 +585,22 @@ class Drawing:
         return self.svg
 
 
+def _crossings(found: Iterable[tuple[float, int, float, bool]]) -> list[dict[str, Any]]:
+    """Crossings as rows, with modes counted from 1."""
+    return [
+        {"value": value, "mode": mode + 1, "frequency": frequency, "begins": begins}
+        for value, mode, frequency, begins in found
+    ]
+
+
+def _mergings(found: Iterable[tuple[float, tuple[int, int], float, bool]]) -> list[dict[str, Any]]:
+    """Mergings as rows, with modes counted from 1."""
+    return [
+        {"value": value, "first": modes[0] + 1, "second": modes[1] + 1, "frequency": frequency, "begins": begins}
+        for value, modes, frequency, begins in found
+    ]
+
+
 def _restored(
     name: str,
     text: str,
@@ -565,10 +631,12 @@ def _ascending(values: ArrayLike, name: str) -> NDArray[np.float64]:
     import numpy as np
 
     array = np.atleast_1d(np.asarray(values, dtype=float))
-    if array.ndim != 1 or len(array) == 0:
-        raise _core.ArgumentError(f"the values of {name} must be a list of numbers, not an array of shape {array.shape}")
+    if array.ndim != 1:
+        raise ArgumentError(f"the values of {name} must be a list of numbers, not an array of shape {array.shape}")
+    if len(array) == 0:
+        raise ArgumentError(f"there are no values of {name}; give at least one")
     if not np.all(np.isfinite(array)):
-        raise _core.ArgumentError(f"the values of {name} must be finite numbers")
+        raise ArgumentError(f"the values of {name} must be finite numbers")
     if np.any(np.diff(array) <= 0):
-        raise _core.ArgumentError(f"the values of {name} must ascend")
+        raise ArgumentError(f"the values of {name} must ascend")
     return array

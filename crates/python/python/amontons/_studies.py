@@ -380,7 +380,7 @@ def transient(
 
 def motion(scene: Scene) -> dict[str, Any]:
     """The motion that the scene settles into from its start, as one row of `limit_cycles`, and the unit of its amplitude."""
-    found = _run(scene, {"study": "motion", **_observation(None, None, None, None)}, None, None, "the motion")
+    found = _found(scene, {"study": "motion", **_observation(None, None, None, None)}, None, None, "the motion")
     row = _outcome({"ending": found["result"]})
     return {key: row[key] for key in ("kind", "amplitude", "frequency", "period", *SHARES)}
 
@@ -414,11 +414,21 @@ def _run(
     what: str,
 ) -> Any:
     """The result of a study."""
+    scene._warn_of_doubts()
+    return _found(scene, request, executor, progress, what)
+
+
+def _found(
+    scene: Scene,
+    request: dict[str, Any],
+    executor: Executor | None,
+    progress: Callable[[float], object] | bool | None,
+    what: str,
+) -> Any:
     try:
         text = json.dumps(request, allow_nan=False)
     except ValueError:
         raise ArgumentError("all numbers of an orbit must be finite") from None
-    scene._warn_of_doubts()
     study = _core.Study(scene._core, text)
     with reporting(progress, what) as report:
         if executor is None:
@@ -439,6 +449,8 @@ def _run(
 
             before = len(known)
             for _, found in carry_out(_pieces, common, missing, executor, tell):
+                if found is None:
+                    raise RuntimeError(f"the processes that worked on {what} ended each time")
                 known.update(found)
             if len(known) == before:
                 raise RuntimeError(f"{what} have not advanced: {len(missing)} pieces are missing")

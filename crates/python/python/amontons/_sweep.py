@@ -90,6 +90,7 @@ def sweep(
         for name in axes:
             _core.check_undriven(scene._core, name)
         evaluate = partial(evaluate, at=scene._instant(at))
+    scene._warn_of_doubts()
     points = list(itertools.product(*(values.tolist() for values in axes.values())))
     rows: dict[int, dict[str, Any]] = {}
     items: Sequence[Any]
@@ -98,7 +99,7 @@ def sweep(
         items = range(len(points)) if executor is None else list(enumerate(points))
         for batch, found in carry_out(_evaluated, common, items, executor, report):
             places = batch if executor is None else [place for place, _ in batch]
-            rows.update(zip(places, found))
+            rows.update(zip(places, found or [{"failure": _LOST}] * len(batch)))
     shape = tuple(len(values) for values in axes.values())
     flat = columns([rows[place] for place in range(len(points))], "point")
     units = scene._units()
@@ -149,6 +150,7 @@ def _verdict(scene: Scene, at: float) -> dict[str, str]:
     return {"verdict": scene.verdict(at=at)}
 
 
+_LOST = "the process that evaluated it ended each time"
 _PLAIN = (bool, int, float, complex, str, type(None))
 """Types of results that a table can have."""
 _EVALUATIONS: dict[str, Callable[..., Any]] = {"growth": _growth, "verdict": _verdict, "motion": motion}
