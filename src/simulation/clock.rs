@@ -132,6 +132,9 @@ impl Clock {
     /// farther ahead than steps can be counted.
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
     pub(super) fn plan_to(self, target: f64, step: f64) -> Option<StepPlan> {
+        if !target.is_finite() {
+            return None;
+        }
         let asked = target - self.asked;
         let rounding = 4.0 * f64::EPSILON * target.abs();
         if !(asked >= -rounding && (target - self.start) / step < MAX_STEPS) {

@@ -10,7 +10,7 @@ use pyo3::types::PyBytes;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
-use std::sync::{Mutex, TryLockError};
+use std::sync::{Mutex, MutexGuard, TryLockError};
 
 /// The beginning of a saved state. What follows depends on the version.
 const MARK: &[u8] = concat!("amontons ", env!("CARGO_PKG_VERSION"), "\n").as_bytes();
@@ -35,34 +35,24 @@ struct Saved {
 }
 
 impl Simulation {
-    /// Does something with the running simulation, without the interpreter's lock.
-    fn with<T: Send>(
+    /// Does something short with the running simulation.
+    fn with<T>(
         &self,
-        py: Python<'_>,
-        work: impl FnOnce(&mut amontons::simulation::Simulation) -> PyResult<T> + Send,
+        work: impl FnOnce(&mut amontons::simulation::Simulation) -> PyResult<T>,
     ) -> PyResult<T> {
-        self.with_slot(py, |running| work(running.as_mut().ok_or_else(lost)?))
+        work(self.slot()?.as_mut().ok_or_else(lost)?)
     }
 
-    /// Does something with the place of the simulation, without the interpreter's lock. Nobody waits for the place: who
-    /// waited with the interpreter's lock would keep the thread that has the place from ever taking that lock.
-    fn with_slot<T: Send>(
-        &self,
-        py: Python<'_>,
-        work: impl FnOnce(&mut Option<amontons::simulation::Simulation>) -> PyResult<T> + Send,
-    ) -> PyResult<T> {
-        py.detach(|| {
-            let mut running = match self.running.try_lock() {
-                Ok(running) => running,
-                Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-                Err(TryLockError::WouldBlock) => {
-                    return Err(Error::new_err(
-                        "this simulation is in use by another thread; give each thread a simulation of its own",
-                    ));
-                }
-            };
-            work(&mut running)
-        })
+    /// The place of the simulation. Nobody waits for it: who waited with the interpreter's lock would keep the thread that
+    /// has the place from ever taking that lock.
+    fn slot(&self) -> PyResult<MutexGuard<'_, Option<amontons::simulation::Simulation>>> {
+        match self.running.try_lock() {
+            Ok(running) => Ok(running),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(Error::new_err(
+                "this simulation is in use by another thread; give each thread a simulation of its own",
+            )),
+        }
     }
 
     fn variable(&self, name: &str) -> PyResult<&Variable> {
@@ -99,18 +89,19 @@ impl Simulation {
     }
 
     #[getter]
-    fn time(&self, py: Python<'_>) -> PyResult<f64> {
-        self.with(py, |simulation| Ok(simulation.time()))
+    fn time(&self) -> PyResult<f64> {
+        self.with(|simulation| Ok(simulation.time()))
     }
 
     #[getter]
-    fn step(&self, py: Python<'_>) -> PyResult<f64> {
-        self.with(py, |simulation| Ok(simulation.scene().step))
+    fn step(&self) -> PyResult<f64> {
+        self.with(|simulation| Ok(simulation.scene().step))
     }
 
     /// Advances to a time, s.
     fn advance_to(&self, py: Python<'_>, time: f64) -> PyResult<()> {
-        self.with_slot(py, |running| {
+        let running = &mut *self.slot()?;
+        py.detach(|| {
             let simulation = running.as_mut().ok_or_else(lost)?;
             let mut interrupted = None;
             let go_on = || match Python::attach(|py| py.check_signals()) {
@@ -133,9 +124,9 @@ impl Simulation {
     }
 
     /// The value of a variable.
-    fn read(&self, py: Python<'_>, name: &str) -> PyResult<f64> {
+    fn read(&self, name: &str) -> PyResult<f64> {
         let variable = self.variable(name)?;
-        self.with(py, |simulation| simulation.read(variable).map_err(raised))
+        self.with(|simulation| simulation.read(variable).map_err(raised))
     }
 
     /// The values of variables.
@@ -147,7 +138,7 @@ impl Simulation {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let variables: Vec<&Variable> =
             names.iter().map(|name| self.variable(name)).collect::<PyResult<_>>()?;
-        let values: Vec<f64> = self.with(py, |simulation| {
+        let values: Vec<f64> = self.with(|simulation| {
             variables
                 .into_iter()
                 .map(|variable| simulation.read(variable).map_err(raised))
@@ -157,29 +148,29 @@ impl Simulation {
     }
 
     /// Gives an input or a tunable parameter another value from now on.
-    fn set(&self, py: Python<'_>, name: &str, value: f64) -> PyResult<()> {
+    fn set(&self, name: &str, value: f64) -> PyResult<()> {
         let variable = self.variable(name)?;
-        self.with(py, |simulation| simulation.write(variable, value).map_err(raised))
+        self.with(|simulation| simulation.write(variable, value).map_err(raised))
     }
 
     /// Displacements from the equilibrium (m) and velocities (m/s), one for each degree of freedom.
     fn motion<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
-        let two = self.with(py, |simulation| {
+        let two = self.with(|simulation| {
             Ok([simulation.displacement().to_vec(), simulation.velocity().to_vec()])
         })?;
         Ok(two.map(|values| values.into_pyarray(py)))
     }
 
     /// The states of the contacts, as the paper writes them.
-    fn contact_states(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.with(py, |simulation| {
+    fn contact_states(&self) -> PyResult<Vec<String>> {
+        self.with(|simulation| {
             Ok(simulation.contact_states().iter().map(ToString::to_string).collect())
         })
     }
 
     /// All that the simulation needs to continue from here.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.with(py, |simulation| {
+        let bytes = self.with(|simulation| {
             let values = simulation.nominal().iter().map(|(_, value)| value).collect();
             let progress = simulation.save().into_progress();
             let saved = Saved { identity: self.identity.clone(), values, progress };
@@ -190,7 +181,7 @@ impl Simulation {
     }
 
     /// Continues from a saved state of this scene.
-    fn restore(&self, py: Python<'_>, scene: &Scene, state: &[u8]) -> PyResult<()> {
+    fn restore(&self, scene: &Scene, state: &[u8]) -> PyResult<()> {
         let wrong = |why: &str| Error::new_err(format!("the saved state {why}"));
         let Some((checksum, content)) =
             state.strip_prefix(MARK).and_then(|state| state.split_at_checked(size_of::<u32>()))
@@ -218,9 +209,8 @@ impl Simulation {
             nominal.set(variable, value).map_err(raised)?;
         }
         let snapshot = Snapshot::new(nominal, saved.progress);
-        self.with_slot(py, |running| {
-            *running = Some(amontons::simulation::Simulation::resume(snapshot).map_err(raised)?);
-            Ok(())
-        })
+        let resumed = amontons::simulation::Simulation::resume(snapshot).map_err(raised)?;
+        *self.slot()? = Some(resumed);
+        Ok(())
     }
 }

@@ -19,8 +19,18 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::borrow::Cow;
 
+/// Refuses an instant that is no time.
+fn check_instant(at: f64) -> Result<(), Error> {
+    if at.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::argument(format!("at = {at} is no time; give seconds")))
+    }
+}
+
 /// The scene with this friction coefficient at time `at` (s), as eigenvalues need it.
 fn linearised(scene: &Scene, friction: Option<f64>, at: f64) -> Result<Cow<'_, Linearised>, Error> {
+    check_instant(at)?;
     if friction.is_none() && scene.scene.signals.is_empty() {
         return Ok(Cow::Borrowed(scene.linearised()));
     }
@@ -137,7 +147,9 @@ pub fn locus<'py>(
             scene.check()?;
             Ok(Linearised::of(&scene))
         };
-        let states = states_of(state, &with(values[0])?)?;
+        check_instant(at)?;
+        let first = values.first().ok_or_else(|| Error::argument("a locus needs values"))?;
+        let states = states_of(state, &with(*first)?)?;
         let at = |value: f64| watch.check().and_then(|()| with(value));
         #[allow(clippy::cast_precision_loss)]
         let done = |done: usize, of: usize| (watch.progress)(done as f64 / of as f64);
@@ -174,6 +186,7 @@ pub fn candidates<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     require_undriven(&scene.scene, FRICTION).map_err(raised)?;
     let found = watched(py, progress.as_ref(), |watch| {
+        check_instant(at)?;
         bistability(&at_instant(&scene.scene, at)?, range, watch)
     })?
     .map_err(raised)?;
@@ -221,7 +234,10 @@ pub fn equilibrium<'py>(
 #[pyfunction]
 #[pyo3(signature = (scene, at=0.0))]
 pub fn verdict(py: Python<'_>, scene: &Scene, at: f64) -> PyResult<String> {
-    let found = py.detach(|| map::verdict(&at_instant(&scene.scene, at)?));
+    let found = py.detach(|| {
+        check_instant(at)?;
+        map::verdict(&at_instant(&scene.scene, at)?)
+    });
     Ok(found.map_err(raised)?.to_string())
 }
 

@@ -131,18 +131,20 @@ impl Study {
 
     /// Computes the missing pieces that are `ours`, and those of later rounds to which they lead. `others`: the missing
     /// pieces of this round that other workers compute. The new pieces by key and JSON.
-    #[pyo3(signature = (known, ours, others))]
+    #[pyo3(signature = (known, ours, others, progress=None))]
+    #[allow(clippy::needless_pass_by_value)]
     fn work(
         &self,
         py: Python<'_>,
         known: Vec<(String, String)>,
         ours: HashSet<String>,
         others: HashSet<String>,
+        progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Vec<(String, String)>> {
         let before: HashSet<String> = known.iter().map(|(key, _)| key.clone()).collect();
         let journal =
             journal(known)?.shared(move |key| ours.contains(key) || !others.contains(key));
-        let found = watched(py, None, |watch| {
+        let found = watched(py, progress.as_ref(), |watch| {
             self.request.found(&self.scene, &journal, watch).map(|_| ())
         })?;
         found.map_err(raised)?;

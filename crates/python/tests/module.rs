@@ -67,7 +67,7 @@ fn pytest(file: &str) {
         .arg(folder.join(file))
         .env("PYTHONPATH", package())
         .env("PYTHONDONTWRITEBYTECODE", "1")
-        .env("AMONTONS", program("amontons"))
+        .env("AMONTONS_PROGRAMS", program("amontons").parent().expect("it is in a folder"))
         .env("MPLBACKEND", "Agg")
         // Packages may bring plugins of their own.
         .env("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
@@ -109,7 +109,15 @@ macro_rules! files {
 }
 
 files! {
-    test_import
+    test_book
+    test_clusters
+    test_executors
+    test_interrupts
+    test_misuse
+    test_package
+    test_runs
+    test_scenes
+    test_stability
 }
 
 #[test]

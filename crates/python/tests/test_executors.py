@@ -26,10 +26,10 @@ STUDIES = {
         scene, {"slider.velocity": [0.05, 0.7]}, of="motion", executor=executor
     ),
     "limit cycles": lambda scene, executor: scene.limit_cycles(
-        [0.05, 0.2], resolution=0.1, executor=executor, **SHORT
+        "slider.velocity", [0.05, 0.2], resolution=0.1, executor=executor, **SHORT
     ),
     "perturbations": lambda scene, executor: scene.perturbations(
-        np.linspace(0.0, 0.3, 4), "mass.block.vx", resolution=0.1, executor=executor, **SHORT
+        "mass.block.vx", np.linspace(0.0, 0.3, 4), resolution=0.1, executor=executor, **SHORT
     ),
     "basin": lambda scene, executor: scene.basin(
         ("mass.block.x", [0.0, 0.015]), ("mass.block.vx", [0.0, 0.1, 0.2]), executor=executor, **SHORT
@@ -106,8 +106,8 @@ def spawning():
 
 def test_a_push_begins_stick_slip_where_it_reaches_the_speed_of_the_belt(held):
     # From the equilibrium a damped block is never as fast again as at its start.
-    [threshold] = STUDIES["perturbations"](held, None).attrs["thresholds"]
-    low, high = threshold["between"]
+    found = STUDIES["perturbations"](held, None)
+    [low], [high] = found["threshold_low"].values, found["threshold_high"].values
     assert low - 1e-12 <= held["slider.velocity"] <= high
 
 
@@ -150,7 +150,7 @@ def test_a_function_of_a_module_is_evaluated_by_processes(set1):
 
 def test_a_pool_that_loses_a_worker_finishes_with_a_warning(set1, tmp_path, monkeypatch):
     monkeypatch.setenv("AMONTONS_TEST_MARKER", str(tmp_path / "marker"))
-    with spawning() as executor, pytest.warns(UserWarning, match="takes no more work .*this process does the rest"):
+    with spawning() as executor, pytest.warns(UserWarning, match="takes no more work .*processes of their own do the rest"):
         found = amontons.sweep(set1, {MU: np.linspace(0.0, 2.0, 41)}, of=evaluations.dies_once, executor=executor)
     assert found["value"].values.tolist() == np.linspace(0.0, 2.0, 41).tolist()
     assert not found["failure"].values.any()
@@ -192,7 +192,7 @@ def test_an_error_of_the_scene_is_not_tried_again(set1):
             return super().submit(function, *arguments)
 
     with pytest.raises(amontons.ArgumentError, match="has no initial value nothing"):
-        set1.perturbations([0.0, 0.1], "nothing", executor=Counting())
+        set1.perturbations("nothing", [0.0, 0.1], executor=Counting())
     assert len(calls) <= 1
 
 
@@ -264,12 +264,12 @@ def test_progress_rises_to_one_and_its_errors_end_the_work(held, name, on):
     calls = {
         "sweep": lambda **more: amontons.sweep(held, {MU: np.linspace(0, 1, 300)}, executor=on, **more),
         "run": lambda **more: held.simulate(2.0, **more),
-        "locus": lambda **more: held.locus(values, MU, **more),
+        "locus": lambda **more: held.locus(MU, values, **more),
         "limit cycles": lambda **more: held.limit_cycles(
-            values, resolution=0.1, executor=on, **SHORT, **more
+            "slider.velocity", values, resolution=0.1, executor=on, **SHORT, **more
         ),
         "perturbations": lambda **more: held.perturbations(
-            values, "mass.block.vx", resolution=0.1, executor=on, **SHORT, **more
+            "mass.block.vx", values, resolution=0.1, executor=on, **SHORT, **more
         ),
         "basin": lambda **more: held.basin(
             ("mass.block.x", values), ("mass.block.vx", values), executor=on, **SHORT, **more

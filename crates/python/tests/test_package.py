@@ -37,7 +37,7 @@ def test_the_stub_has_the_names_of_the_compiled_module():
     classes = {node.name: node for node in stub().body if isinstance(node, ast.ClassDef)}
     functions = {node.name for node in stub().body if isinstance(node, ast.FunctionDef)}
     public = {name for name in vars(_core) if not name.startswith("_")}
-    assert public == {*classes, *functions}
+    assert public == {*classes, *functions, "VERSION"}
     for name, node in classes.items():
         members = {
             part.name if isinstance(part, ast.FunctionDef) else part.target.id
@@ -111,18 +111,18 @@ sys.modules["xarray"] = sys.modules["tqdm"] = sys.modules["tqdm.auto"] = None
 import amontons, numpy as np
 scene = amontons.Scene.builtin("set1")
 run = scene.simulate(0.001, outputs=["module[1].x1"], progress=True)
-assert sorted(run) == ["attrs", "module[1].x1", "time"] and run["time"].shape == (6,)
+assert sorted(run) == ["module[1].x1", "time"] and run["time"].shape == (6,)
 found = amontons.sweep(scene, {"friction.coefficient": [1.0, 1.5], "slider.velocity": [0.1, 0.2, 0.3]})
 assert found["growth_rate"].shape == (2, 3) and found["slider.velocity"].tolist() == [0.1, 0.2, 0.3]
-assert found["attrs"]["scene"] == "set1"
-locus = scene.locus(np.linspace(1.0, 1.5, 3))
-assert locus["frequency"].shape == (6, 3) and len(locus["attrs"]["crossings"]) == 1
+assert found.attrs["scene"] == "set1"
+locus = scene.locus("friction.coefficient", np.linspace(1.0, 1.5, 3))
+assert locus["frequency"].shape == (6, 3) and len(locus["crossing_value"]) == 1
 slip = amontons.Scene.builtin("stick_slip")
 found = slip.basin(("mass.block.x", [0.0, 0.01]), ("mass.block.vx", [0.0, 0.1]), longest=60.0, window=10.0)
 assert found["attractor"].shape == (2, 2)
-found = slip.limit_cycles([0.05, 0.2], resolution=0.5, longest=60.0, window=10.0)
+found = slip.limit_cycles("slider.velocity", [0.05, 0.2], resolution=0.5, longest=60.0, window=10.0)
 assert found["kind"].tolist() == ["periodic", "periodic"]
-found = slip.perturbations([0.0, 0.1], "mass.block.vx", resolution=0.5, longest=60.0, window=10.0)
+found = slip.perturbations("mass.block.vx", [0.0, 0.1], resolution=0.5, longest=60.0, window=10.0)
 assert len(found["attractor"]) == len(found["mass.block.vx"]) >= 2
 """
     )

@@ -60,7 +60,7 @@ def test_split_saved_and_pickled_runs_continue_to_the_last_bit(name):
     whole.advance_to(600 * step)
     split = scene.start()
     for _ in range(150):
-        split.step(2 * step)
+        split.advance_by(2 * step)
     saved = split.save()
     elsewhere = pickle.loads(pickle.dumps(split))
     split.advance_to(600 * step)

@@ -82,8 +82,8 @@ def test_the_coefficient_at_which_set1_begins_to_squeal_is_that_of_its_matrices(
         middle = 0.5 * (low + high)
         low, high = (low, middle) if of_set1(middle).real.max() > 0 else (middle, high)
     values = np.linspace(1.0, 1.5, 7)
-    locus = set1.locus(values)
-    [(value, mode, frequency, grows)] = locus.attrs["crossings"]
+    locus = set1.locus("friction.coefficient", values)
+    [value], [frequency], [grows] = (locus[f"crossing_{name}"].values for name in ("value", "frequency", "begins"))
     fastest = max(of_set1(low), key=lambda value: value.real)
     assert abs(value - low) < 1e-8 and grows
     assert frequency == pytest.approx(fastest.imag / (2 * np.pi), rel=1e-6)
@@ -105,9 +105,9 @@ def test_the_modes_of_hoffmanns_model_merge_where_the_discriminant_vanishes():
     c = xx * yy - xy * (xy + 20.0 * mu)
     roots = (b**2 - 4.0 * a * c).roots()
     critical = min(root.real for root in roots if abs(root.imag) < 1e-12 and root.real > 0)
-    locus = amontons.Scene.builtin("hoffmann").locus(np.linspace(0.2, 0.3, 5))
-    [merging] = locus.attrs["mergings"]
-    assert merging[0] == pytest.approx(critical, abs=1e-6)
+    locus = amontons.Scene.builtin("hoffmann").locus("friction.coefficient", np.linspace(0.2, 0.3, 5))
+    [merging] = locus["merging_value"].values
+    assert merging == pytest.approx(critical, abs=1e-6)
     assert critical == pytest.approx(0.2559, abs=5e-5)
 
 

@@ -9,7 +9,7 @@ class ArgumentError(Error):
     """An unknown name, or an argument that is impossible."""
 
 
-class FileError(Error, OSError):
+class FileError(OSError, Error):
     """A file that cannot be read or written."""
 
 

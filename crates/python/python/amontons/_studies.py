@@ -469,7 +469,8 @@ def _pieces(common: tuple[Any, ...], keys: Sequence[str]) -> list[tuple[str, str
     """Some pieces of a study."""
     scene, request, known, missing = common
     study = _core.Study(scene._core, request)
-    return study.work(known, set(keys), set(missing).difference(keys))
+    with reporting(None, "pieces") as report:
+        return study.work(known, set(keys), set(missing).difference(keys), report)
 
 
 def _observation(

@@ -75,7 +75,7 @@ def sweep(
     >>> [bool(rate > 0) for rate in found["growth_rate"]]
     [False, True]
     """
-    evaluate = _EVALUATIONS.get(of) if isinstance(of, str) else of
+    evaluate: Any = _EVALUATIONS.get(of) if isinstance(of, str) else of
     if not callable(evaluate):
         raise ArgumentError(f"of = {of!r} is none of {', '.join(_EVALUATIONS)}, and no function of a scene")
     if at is not None and of not in _AT_INSTANT:
