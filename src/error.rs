@@ -1,6 +1,7 @@
 //! The error type of Amontons, opaque so that its private kinds can grow.
 
 use crate::decimal::to_significant;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
 
@@ -14,10 +15,10 @@ use std::path::Path;
 /// let error = parse("empty", "").unwrap_err();
 /// assert!(error.is_scene() && !error.is_step());
 /// ```
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub struct Error(Box<ErrorKind>);
 
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 enum ErrorKind {
     #[error("{0}")]
     File(String),

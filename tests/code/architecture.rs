@@ -27,6 +27,7 @@ const PACKAGES: [(&str, &[&str]); 4] = [
         &[
             "watch",
             "record",
+            "journal",
             "output",
             "statistics",
             "spectral",

@@ -6,6 +6,7 @@
 //! | --- | --- |
 //! | [`watch`] | progress of long work, and its end before it is done |
 //! | [`record`] | a run of an experiment, row by row |
+//! | [`journal`] | finished pieces of work, with which work that was ended continues, and which several workers share |
 //! | [`output`] | files of results that appear whole or not at all |
 //! | `statistics` | statistics of values |
 //! | [`spectral`] | spectra of histories |
@@ -28,6 +29,7 @@ pub mod doubts;
 pub mod effects;
 pub mod inputs;
 pub mod instant;
+pub mod journal;
 pub mod orbit;
 pub mod output;
 pub mod record;

@@ -1,6 +1,7 @@
 //! The exit codes of the programs; clap also uses 2 for wrong arguments.
 
 use crate::interrupt::Interrupted;
+use crate::shards::Missing;
 
 /// A file cannot be read or written, or the work has failed.
 pub const FAILED: u8 = 1;
@@ -10,14 +11,19 @@ pub const ARGUMENTS: u8 = 2;
 pub const SCENE: u8 = 3;
 /// The run of a scene has failed.
 pub const RUN: u8 = 4;
+/// Pieces of a study are missing that other workers compute.
+pub const MISSING: u8 = 5;
 /// The user has ended the command; shells use this code for Ctrl-C.
 pub const INTERRUPTED: u8 = 130;
 
-/// The exit code for an error of the libraries or [`Interrupted`]; other errors give [`FAILED`].
+/// The exit code for an error of the libraries, [`Interrupted`] or [`Missing`]; other errors give [`FAILED`].
 #[must_use]
 pub fn code(error: &(dyn std::error::Error + 'static)) -> u8 {
     if error.is::<Interrupted>() {
         return INTERRUPTED;
+    }
+    if error.is::<Missing>() {
+        return MISSING;
     }
     match error.downcast_ref::<amontons::Error>() {
         Some(error) if error.is_argument() => ARGUMENTS,

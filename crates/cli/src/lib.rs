@@ -6,3 +6,4 @@ pub mod exit;
 pub mod interrupt;
 pub mod progress;
 pub mod say;
+pub mod shards;

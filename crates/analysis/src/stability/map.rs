@@ -4,13 +4,16 @@ use super::linearised::Linearised;
 use super::parallel;
 use super::state_energy::state_energy;
 use super::states::{MAX_CONTACTS, StateClasses};
+use crate::journal::Journal;
+use crate::watch::Watch;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
+use serde::{Deserialize, Serialize};
 
 /// The stability of uniform sliding for one scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
     /// No contact state grows; with more than [`MAX_CONTACTS`] contacts uniform sliding does not, and
     /// the others are not looked at.
@@ -98,18 +101,29 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
     Ok(found)
 }
 
-/// Verdicts on a grid of scenes, row by row, on all cores; `done` hears the number of rows done.
+/// Verdicts on a grid of scenes, row by row, on all cores. `None` if the watch ended it: finished rows are in the
+/// journal.
 ///
 /// # Errors
-/// Returns the first error of `scene_at` or of a verdict.
+/// Returns the first error of `scene_at` or of a verdict, or that the journal cannot be written.
 pub fn map(
     columns: usize,
     rows: usize,
     scene_at: &(dyn Fn(usize, usize) -> Result<Scene, Error> + Sync),
-    done: &(dyn Fn(usize) + Sync),
-) -> Result<Vec<Vec<Verdict>>, Error> {
-    let row = |row: usize| (0..columns).map(|column| verdict(&scene_at(column, row)?)).collect();
-    parallel::collect(rows, &row, done)
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Result<Option<Vec<Vec<Verdict>>>, Error> {
+    let point = |column: usize, row: usize| {
+        if watch.is_over() { Ok(None) } else { verdict(&scene_at(column, row)?).map(Some) }
+    };
+    let row = |row: usize| {
+        journal.piece(&format!("row {row}"), || {
+            (0..columns).map(|column| point(column, row)).collect::<Result<Option<Vec<_>>, _>>()
+        })
+    };
+    #[allow(clippy::cast_precision_loss)]
+    let done = |done: usize| (watch.progress)(done as f64 / rows as f64);
+    Ok(parallel::collect(rows, &row, &done)?.into_iter().collect())
 }
 
 #[cfg(test)]
@@ -137,7 +151,7 @@ mod tests {
     fn a_map_has_every_point_at_its_place() {
         let scene_at =
             |column: usize, row: usize| Ok(at(["set1", "set2"][row], [0.0, 1.96, 1.96][column]));
-        let found = map(3, 2, &scene_at, &|_| {}).unwrap();
+        let found = map(3, 2, &scene_at, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap();
         use Verdict::{Candidate, Stable, Unstable};
         assert_eq!(found, [[Stable, Unstable, Unstable], [Stable, Candidate, Candidate]]);
     }

@@ -27,7 +27,6 @@
 //! | `perturbation` | endings of perturbations, and the thresholds between |
 //! | `basin` | attractors of the points of a plane of initial values |
 //! | `work` | progress of the work on many points |
-//! | `journal` | finished pieces of work, from which a study that was ended can be resumed |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
 
@@ -44,7 +43,6 @@ mod drive;
 mod fading;
 mod family;
 mod initial;
-mod journal;
 mod limit_cycle;
 mod linear;
 mod long_term;
@@ -70,7 +68,6 @@ pub use continuation::{
     continuation,
 };
 pub use initial::{history, initial_value};
-pub use journal::{Journal, Owner};
 pub use limit_cycle::{
     Change, LimitCycles, MotionBracket, Outcome, Question, Regime, limit_cycles, settled_motion,
 };
@@ -83,4 +80,5 @@ pub use portrait::{Orbit, Portrait};
 pub use push::Push;
 pub use visit::Visited;
 
+pub use crate::journal::Journal;
 pub use crate::watch::Watch;

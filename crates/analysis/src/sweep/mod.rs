@@ -13,6 +13,7 @@ pub use possible::Possible;
 
 use crate::accuracy::Cycle;
 use crate::assign::assign;
+use crate::journal::Journal;
 use crate::stability::parallel::collect;
 use crate::statistics::place_of_largest;
 use crate::watch::Watch;
@@ -24,6 +25,7 @@ use amontons::simulation::{Simulation, Variable, variables};
 use observed::{frequencies_in_motion, interval};
 use passage::Passage;
 use quarters::Quarters;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use steady::ROUNDING;
@@ -63,7 +65,7 @@ impl View {
 /// Summary of the end of a run: its motion in the window, in rows that are as near to each other as the fastest mode
 /// asks for ([`observed::interval`]), whatever the output interval is, and refined where it turns or contacts change
 /// their states.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Half of the difference between the largest and the smallest value of each output, wherever the rows are, in its
     /// unit; 0 where everything rests but for rounding.
@@ -82,7 +84,7 @@ pub struct Summary {
 }
 
 /// The reason why it is not known if a motion has settled.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum UnsettledReason {
     /// A quarter of the window has fewer than five periods of the slowest mode; the window that has them, s.
     Short(f64),
@@ -123,15 +125,17 @@ const PERIODS_TO_SETTLE: f64 = 5.0;
 pub const FEWEST_PERIODS: f64 = 3.0;
 
 /// The run of each value, in their order: its summary or the reason why it has none; `None` for runs that the watch
-/// ended. The watch receives the completed part of the work, from 0 to 1, of all cores.
+/// ended, or that another worker computes. The watch receives the completed part of the work, from 0 to 1, of all cores.
 ///
 /// # Errors
-/// Returns an error if a name is no parameter or input, a value is impossible, or the window has fewer than two rows.
+/// Returns an error if a name is no parameter or input, a value is impossible, the window has fewer than two rows, or
+/// the journal cannot be written.
 pub fn sweep(
     scene: &Scene,
     name: &str,
     values: &[f64],
     view: &View,
+    journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Vec<Option<Result<Summary, Error>>>, Error> {
     let with = |value: &f64| {
@@ -160,7 +164,11 @@ pub fn sweep(
     let (done, all) = (AtomicU64::new(0), scenes.iter().map(count).sum::<usize>());
     #[allow(clippy::cast_precision_loss)]
     let row_ends = || watch.ends_after(done.fetch_add(1, Ordering::Relaxed) as f64 / all as f64);
-    let outcome = |i: usize| Ok(run(&scenes[i], view, &row_ends).transpose());
+    let outcome = |i: usize| {
+        journal.piece(&format!("{name} = {:?}", values[i]), || {
+            Ok(run(&scenes[i], view, &row_ends).transpose())
+        })
+    };
     collect(scenes.len(), &outcome, &|_| {})
 }
 

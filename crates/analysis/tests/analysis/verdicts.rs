@@ -110,7 +110,15 @@ fn a_squeal_of_1_1_khz_is_not_taken_for_another_frequency_where_rows_are_a_milli
         scene.experiment.stop_time = 2.0;
         let outputs = vec![output(&scene, "mass.disc.y").unwrap()];
         let view = View { outputs, window: 0.5 };
-        let found = sweep(&scene, "friction.coefficient", &[0.6], &view, Watch::IDLE).unwrap();
+        let found = sweep(
+            &scene,
+            "friction.coefficient",
+            &[0.6],
+            &view,
+            &Journal::forgotten(),
+            Watch::IDLE,
+        )
+        .unwrap();
         let summary = found[0].clone().unwrap().unwrap();
         // The scene's own method is the paper's scheme: a step of 1 µs shifts the frequency by some 1e-5.
         assert_near(summary.frequency.unwrap(), counted, 1e-4);

@@ -8,6 +8,7 @@ mod driven_block;
 mod parallel;
 #[path = "../../../../tests/support/program.rs"]
 mod program;
+mod shards;
 mod stability_command_line;
 mod study_basin;
 mod study_continuation;

@@ -4,6 +4,7 @@ use crate::program::{assert_refused, folder, run, text};
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::Simulation;
 use amontons_analysis::assign::assign;
+use amontons_analysis::journal::Journal;
 use amontons_analysis::sweep::observed::output;
 use amontons_analysis::sweep::{View, sweep};
 use amontons_analysis::watch::Watch;
@@ -29,7 +30,9 @@ fn the_amplitude_and_frequency_of_an_oscillator_are_those_of_its_closed_form() {
         let view =
             View { outputs: vec![output(&scene, &scene.dof_names()[0]).unwrap()], window: 4.0 };
         let values = [100.0, 200.0, 300.0];
-        let found = sweep(&scene, "spring.k.stiffness", &values, &view, Watch::IDLE).unwrap();
+        let found =
+            sweep(&scene, "spring.k.stiffness", &values, &view, &Journal::forgotten(), Watch::IDLE)
+                .unwrap();
         for (stiffness, found) in values.into_iter().zip(found) {
             let found = found.unwrap().unwrap();
             let omega = f64::sqrt(stiffness / 0.5);
@@ -58,8 +61,15 @@ fn amplitudes_and_shares_of_time_do_not_depend_on_the_rows() {
         let found = |interval: f64| {
             let mut scene = scene.clone();
             scene.experiment.output_interval = interval;
-            let found =
-                sweep(&scene, "spring.hold.stiffness", &[390.0], &view, Watch::IDLE).unwrap();
+            let found = sweep(
+                &scene,
+                "spring.hold.stiffness",
+                &[390.0],
+                &view,
+                &Journal::forgotten(),
+                Watch::IDLE,
+            )
+            .unwrap();
             found.into_iter().next().unwrap().unwrap().unwrap()
         };
         let rows = found(1e-2);
@@ -145,7 +155,15 @@ fn what_is_said_of_a_value_does_not_depend_on_the_other_values() {
     let scene = builtin("stick_slip").unwrap().scene();
     let view = View { outputs: vec![output(&scene, "mass.block.x").unwrap()], window: 2.0 };
     let swept = |stiffnesses: &[f64]| {
-        sweep(&scene, "spring.hold.stiffness", stiffnesses, &view, Watch::IDLE).unwrap()
+        sweep(
+            &scene,
+            "spring.hold.stiffness",
+            stiffnesses,
+            &view,
+            &Journal::forgotten(),
+            Watch::IDLE,
+        )
+        .unwrap()
     };
     // The stiffer spring has its rows ten times nearer to each other.
     let (soft, stiff, both) = (swept(&[100.0]), swept(&[1e4]), swept(&[100.0, 1e4]));

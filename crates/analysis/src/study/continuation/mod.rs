@@ -24,10 +24,10 @@ pub use findings::{
 };
 
 use super::Watch;
-use super::journal::Journal;
 use super::observation::ObservationSettings;
 use super::push::Push;
 use crate::assign::assign;
+use crate::journal::Journal;
 use crate::stability::candidates::Candidate;
 use crate::stability::parallel::collect;
 use crate::sweep::FRICTION;

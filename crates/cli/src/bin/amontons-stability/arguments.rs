@@ -3,6 +3,7 @@
 use amontons::Error;
 use amontons_analysis::sweep::range::{self, assignment, ends};
 use amontons_cli::arguments::{Format, Values, named_grid, named_steps, steps};
+use amontons_cli::shards::ShardArguments;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -18,7 +19,7 @@ const EXIT_CODES: &str = "For runs, studies of motions and FMUs see the first pr
                           scenes` lists the built-in \
                           scenes.\n\nExit codes: 0 success, 1 a file could not be read or written, 2 the command line \
                           is wrong (for example an unknown option, variable or contact state), 3 the scene is invalid \
-                          or cannot be analysed";
+                          or cannot be analysed, 5 pieces of a shared map are missing (merge), 130 interrupted";
 
 /// The exit code that belongs to an error.
 pub fn exit_code(error: &Error) -> u8 {
@@ -41,6 +42,19 @@ pub enum StabilityCommand {
     Bistable(Bistable),
     /// Stability map over two parameters: stable, candidate for bi-stability, unstable
     Map(Map),
+    /// Put the pieces of all workers of a map together (--shard), tell what is missing, or write the map
+    ///
+    /// It may be run at any time and any number of times, while workers run or after they were killed, in the folder in
+    /// which they were started. If pieces are missing, it tells how many and what to do next (exit code 5). If none is,
+    /// it writes results.csv, as `map --csv` prints it, and the picture.
+    Merge(Merge),
+}
+
+#[derive(Args)]
+pub struct Merge {
+    /// The folder that the workers were given with -o
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
 }
 
 #[derive(Args)]
@@ -137,9 +151,14 @@ pub struct Map {
     /// Print every point as CSV instead of the number of points with each verdict
     #[arg(long)]
     pub csv: bool,
-    /// Draw the map
+    /// Draw the map; with --shard, FILE is in the folder of -o
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
+    /// With --shard, the folder of all workers, in which `merge` writes results.csv and the picture
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub shared: ShardArguments,
 }
 
 fn time(text: &str) -> Result<f64, String> {

@@ -11,7 +11,7 @@ mod states;
 
 use amontons::Error;
 use amontons::contact::{ContactState, parse_states};
-use amontons::scene::Scene;
+use amontons::scene::{Scene, Source};
 use amontons::simulation::at_instant;
 use amontons_analysis::assign::assign;
 use amontons_analysis::doubts::doubts_of;
@@ -19,10 +19,13 @@ use amontons_analysis::instant::{require_undriven, signals_left_out};
 use amontons_analysis::stability::Linearised;
 use amontons_analysis::sweep::FRICTION;
 use amontons_analysis::sweep::range::check_once;
+use amontons_cli::exit;
+use amontons_cli::shards::{Missing, Program, merging, tell_command};
 use amontons_export::scene;
-use arguments::{SceneArguments, StabilityArguments, StabilityCommand};
+use arguments::{Merge, SceneArguments, StabilityArguments, StabilityCommand};
 use clap::Parser;
 use std::io::{self, BufWriter, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Reasons for which a command ends early.
@@ -31,6 +34,8 @@ enum Failure {
     Usage(String),
     Analysis(Error),
     Output(io::Error),
+    /// The user has ended the command, or pieces of other workers are missing.
+    Unfinished(Box<dyn std::error::Error>),
 }
 
 impl From<Error> for Failure {
@@ -45,15 +50,15 @@ impl From<io::Error> for Failure {
     }
 }
 
+impl From<Box<dyn std::error::Error>> for Failure {
+    fn from(error: Box<dyn std::error::Error>) -> Self {
+        error.downcast().map_or_else(Self::Unfinished, |error| Self::Analysis(*error))
+    }
+}
+
 fn main() -> ExitCode {
     let mut out = BufWriter::new(io::stdout().lock());
-    let result = match StabilityArguments::parse().command {
-        StabilityCommand::States(arguments) => states::run(&arguments, &mut out),
-        StabilityCommand::Locus(arguments) => locus::run(&arguments, &mut out),
-        StabilityCommand::Modes(arguments) => modes::run(&arguments, &mut out),
-        StabilityCommand::Bistable(arguments) => bistable::run(&arguments, &mut out),
-        StabilityCommand::Map(arguments) => map::run(&arguments, &mut out),
-    };
+    let result = run(StabilityArguments::parse().command, &mut out);
     let flushed = out.flush().map_err(Failure::Output);
     match result.and(flushed) {
         Ok(()) => ExitCode::SUCCESS,
@@ -69,6 +74,13 @@ fn main() -> ExitCode {
             eprintln!("error: {wish}");
             ExitCode::from(2)
         }
+        // Which pieces are missing is told as a result.
+        Err(Failure::Unfinished(error)) => {
+            if !error.is::<Missing>() {
+                eprintln!("error: {error}");
+            }
+            ExitCode::from(exit::code(&*error))
+        }
         Err(Failure::Analysis(error)) => {
             eprintln!("error: {error}");
             ExitCode::from(arguments::exit_code(&error))
@@ -76,10 +88,33 @@ fn main() -> ExitCode {
     }
 }
 
+fn run(command: StabilityCommand, out: &mut dyn Write) -> Result<(), Failure> {
+    match command {
+        StabilityCommand::States(arguments) => states::run(&arguments, out),
+        StabilityCommand::Locus(arguments) => locus::run(&arguments, out),
+        StabilityCommand::Modes(arguments) => modes::run(&arguments, out),
+        StabilityCommand::Bistable(arguments) => bistable::run(&arguments, out),
+        StabilityCommand::Map(arguments) => map::run(&arguments, out),
+        StabilityCommand::Merge(Merge { folder }) => merge(&folder, out),
+    }
+}
+
+/// Puts the pieces of all workers in a folder together.
+fn merge(folder: &Path, out: &mut dyn Write) -> Result<(), Failure> {
+    let merge: StabilityArguments = merging(Program::Stability, folder)?;
+    let merged = run(merge.command, out);
+    if matches!(merged, Err(Failure::Analysis(_) | Failure::Usage(_))) {
+        tell_command(folder);
+    }
+    merged
+}
+
 /// A scene as a command analyses it.
 struct AnalysedScene {
     /// The scene at one instant, without signals.
     scene: Scene,
+    /// The files of the scene.
+    source: Source,
     /// The instant, s; `None` for a scene without signals.
     at: Option<f64>,
     /// A note on the parts of the signals that the analysis leaves out.
@@ -100,7 +135,7 @@ fn configured(
     friction: Option<f64>,
     varied: &[&str],
 ) -> Result<AnalysedScene, Error> {
-    let (mut scene, _) = scene::find(&common.scene)?;
+    let (mut scene, source) = scene::find(&common.scene)?;
     check_once(&common.set)?;
     for (name, value) in &common.set {
         assign(&mut scene, name, *value)?;
@@ -127,7 +162,7 @@ fn configured(
     let at = left_out.is_some().then_some(time);
     let scene = at_instant(&scene, time)?;
     scene.check()?;
-    Ok(AnalysedScene { scene, at, left_out })
+    Ok(AnalysedScene { scene, source, at, left_out })
 }
 
 /// Friction coefficients for the heading of a table.

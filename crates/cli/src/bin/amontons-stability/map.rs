@@ -2,16 +2,24 @@
 
 use crate::arguments::Map as MapArguments;
 use crate::{Failure, check_effect, configured};
+use amontons::Error;
 use amontons::model::Contact;
 use amontons_analysis::assign::assign;
+use amontons_analysis::journal::Journal;
+use amontons_analysis::output::AtomicFile;
 use amontons_analysis::stability::map::{Verdict, map};
 use amontons_analysis::stability::{Linearised, MAX_CONTACTS};
 use amontons_analysis::sweep::axis;
 use amontons_analysis::sweep::range::MAX_VALUES;
+use amontons_analysis::watch::Watch;
 use amontons_cli::arguments::Values;
+use amontons_cli::interrupt::{Interrupted, watched};
 use amontons_cli::progress::Progress;
+use amontons_cli::shards::{Pieces, Program, identity};
 use amontons_pictures::picture::{self, Class, Map};
+use serde_json::json;
 use std::io::Write;
+use std::path::Path;
 
 /// Indices in the palette of the colours for the verdicts, in their order.
 const COLOURS: [usize; 6] = [5, 4, 3, 1, 6, 7];
@@ -62,17 +70,29 @@ pub fn run(arguments: &MapArguments, out: &mut dyn Write) -> Result<(), Failure>
         assign(&mut scene, y_name, y[row])?;
         Ok(scene)
     };
-    let bar = Progress::new("the map", y.len() as u64);
-    let found = map(x.len(), y.len(), &scene_at, &|done| bar.set(done as u64))?;
-    bar.finish();
+    let work =
+        |journal: &Journal, watch: Watch<'_>| map(x.len(), y.len(), &scene_at, journal, watch);
+    let folder = folder(arguments)?;
+    let found = if let Some(folder) = folder {
+        let settings = json!({ "at": given.at, "x": [x_name, x], "y": [y_name, y] });
+        let (set, shared) = (&arguments.common.set, arguments.shared);
+        let study = identity("map", (scene, &given.source), set, settings);
+        let mut pieces = Pieces::open(folder, Program::Stability, shared, &study, false)?;
+        let Some(found) = pieces.found("the map", work)? else { return Ok(()) };
+        let path = folder.join("results.csv");
+        let mut file = AtomicFile::create(&path)?;
+        write_points(&mut file, [(x_name, x), (y_name, y)], &found)
+            .map_err(|error| Error::file(&path, &error))?;
+        file.complete()?;
+        found
+    } else {
+        let bar = Progress::in_parts("the map");
+        let found = watched(&bar, |watch| work(&Journal::forgotten(), watch))?;
+        found.ok_or_else(|| Failure::Unfinished(Box::new(Interrupted)))?
+    };
     let share = |verdict: Verdict| found.iter().flatten().filter(|v| **v == verdict).count();
-    if arguments.csv {
-        writeln!(out, "{x_name},{y_name},verdict")?;
-        for (row, y) in found.iter().zip(y) {
-            for (verdict, x) in row.iter().zip(x) {
-                writeln!(out, "{x:?},{y:?},{verdict}")?;
-            }
-        }
+    if arguments.csv && folder.is_none() {
+        write_points(out, [(x_name, x), (y_name, y)], &found)?;
     } else {
         writeln!(out, "{}: {points} points of {x_name} and {y_name}", scene.name)?;
         write!(out, "{}", given.head())?;
@@ -100,5 +120,34 @@ pub fn run(arguments: &MapArguments, out: &mut dyn Write) -> Result<(), Failure>
             .map(|&(verdict, colour)| Class::plain(verdict.to_string(), colour))
             .collect(),
     };
-    Ok(picture.write(path)?)
+    Ok(picture.write(&folder.map_or_else(|| path.clone(), |folder| folder.join(path)))?)
+}
+
+/// The folder of all workers; `None` for a map of one machine.
+fn folder(arguments: &MapArguments) -> Result<Option<&Path>, Failure> {
+    let (shared, output) = (arguments.shared, arguments.output.as_deref());
+    match output {
+        Some(_) if !shared.is_part() => Err(Failure::Usage(
+            "-o names the folder of the workers of a map, so it needs --shard I/N; without it --csv prints the points \
+             and --plot FILE draws them"
+                .to_owned(),
+        )),
+        output if shared.is_part() => Ok(Some(shared.folder(output)?)),
+        _ => Ok(None),
+    }
+}
+
+/// Writes every point with its verdict as CSV.
+fn write_points(
+    out: &mut dyn Write,
+    [(x_name, x), (y_name, y)]: [(&String, &Vec<f64>); 2],
+    found: &[Vec<Verdict>],
+) -> std::io::Result<()> {
+    writeln!(out, "{x_name},{y_name},verdict")?;
+    for (row, y) in found.iter().zip(y) {
+        for (verdict, x) in row.iter().zip(x) {
+            writeln!(out, "{x:?},{y:?},{verdict}")?;
+        }
+    }
+    Ok(())
 }

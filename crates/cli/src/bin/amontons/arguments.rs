@@ -5,6 +5,7 @@ use crate::study::arguments::Study;
 use amontons::scene::{IntegratorChoice, Method, Preset};
 use amontons_analysis::sweep::range::assignment;
 use amontons_cli::arguments::{Format, Values, named_grid};
+use amontons_cli::shards::ShardArguments;
 use amontons_export::package::Library;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
@@ -24,7 +25,8 @@ const EXIT_CODES: &str = "Start with `amontons scenes`, which lists the built-in
                           --help`.\n\nExit codes: 0 success, 1 a file could not be read or written, or a picture \
                           could not be drawn, 2 the command line is wrong (for example an unknown option or \
                           variable), 3 the scene is invalid (its file, a value, no equilibrium, a step above the \
-                          critical step), 4 the run failed, 130 interrupted (simulate keeps its rows in \
+                          critical step), 4 the run failed, 5 pieces of a shared \
+                          study are missing (study merge), 130 interrupted (simulate keeps its rows in \
                           FILE.csv.partial, accuracy and --sweep print the finished rows, studies keep the finished \
                           pieces and continue from them, export writes nothing)";
 
@@ -115,9 +117,11 @@ pub struct Simulate {
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true,
         requires = "sweep")]
     pub window: Option<f64>,
-    /// Path of the CSV file [default: standard output]
+    /// Path of the CSV file [default: standard output]; with --shard the folder of all workers
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub shared: ShardArguments,
 }
 
 #[derive(Args)]

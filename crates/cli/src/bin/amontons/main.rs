@@ -12,6 +12,7 @@ mod study;
 mod sweep;
 
 use amontons_cli::exit;
+use amontons_cli::shards::Missing;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use std::process::ExitCode;
@@ -22,7 +23,10 @@ fn main() -> ExitCode {
         // The reader of standard output has closed it (`| head`).
         Err(error) if simulate::is_broken_pipe(&*error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            // Which pieces are missing is told as a result.
+            if !error.is::<Missing>() {
+                eprintln!("error: {error}");
+            }
             ExitCode::from(exit_code(&*error))
         }
     }

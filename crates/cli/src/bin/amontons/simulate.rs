@@ -4,7 +4,7 @@ use crate::arguments::Simulate;
 use crate::study::orbit;
 use crate::{scenes, sweep};
 use amontons::error::Short;
-use amontons::scene::{Experiment, Scene};
+use amontons::scene::{Experiment, Scene, Source};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Simulation, Variable, broken_assumptions, variables};
 use amontons_analysis::assign::assign;
@@ -20,13 +20,19 @@ use std::ops::ControlFlow::{Break, Continue};
 use std::path::Path;
 
 pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
-    let (mut scene, experiment) = configured(arguments)?;
+    let (mut scene, source, experiment) = configured(arguments)?;
     if let Some(output) = &arguments.output {
         let files = [Some(Path::new(&arguments.scene)), arguments.input.as_deref()];
         check_inputs_stay(output, &files.into_iter().flatten().collect::<Vec<_>>())?;
     }
     if let Some((name, values)) = &arguments.sweep {
-        return sweep::run(arguments, scene, experiment, name, &values.0);
+        return sweep::run(arguments, (scene, &source), experiment, name, &values.0);
+    }
+    if arguments.shared.is_part() {
+        return Err(amontons::Error::argument(
+            "--shard needs --sweep: the workers share its values; one run has one worker",
+        )
+        .into());
     }
     let input = arguments.input.as_ref();
     let inputs = input.map(|path| Inputs::read(path, &scene)).transpose()?;
@@ -100,10 +106,10 @@ fn write_output(
     }
 }
 
-/// The scene with the values of the command line, and the experiment to be run. A tolerance applies to the scene's own
+/// The scene with the values of the command line, its source, and the experiment to be run. A tolerance applies to the scene's own
 /// experiment, as in the FMU, also if the run is shorter.
-fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error>> {
-    let (mut scene, _) = scene::find(&arguments.scene)?;
+fn configured(arguments: &Simulate) -> Result<(Scene, Source, Experiment), Box<dyn Error>> {
+    let (mut scene, source) = scene::find(&arguments.scene)?;
     check_once(&arguments.set)?;
     for (name, value) in &arguments.set {
         assign(&mut scene, name, *value)?;
@@ -117,7 +123,7 @@ fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error
     };
     arguments.integrator.choice().apply(&mut scene)?;
     Scene { experiment, ..scene.clone() }.check()?;
-    Ok((scene, experiment))
+    Ok((scene, source, experiment))
 }
 
 /// A simulation and the changes of its inputs.

@@ -2,20 +2,26 @@
 
 use crate::arguments::Simulate;
 use crate::simulate::is_broken_pipe;
-use amontons::scene::{Experiment, Scene};
+use amontons::scene::{Experiment, Scene, Source};
 use amontons::selection::resolve;
+use amontons_analysis::journal::Journal;
 use amontons_analysis::output::AtomicFile;
 use amontons_analysis::sweep::observed::output;
 use amontons_analysis::sweep::{ENERGIES, Possible, Summary, UnsettledReason, View, sweep};
+use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::{Interrupted, watched};
 use amontons_cli::progress::Progress;
+use amontons_cli::shards::{Pieces, Program, identity};
 use amontons_export::documentation::counted;
+use serde_json::{Value, json};
 use std::error::Error;
+use std::fs;
 use std::io::{BufWriter, Write, stdout};
+use std::path::PathBuf;
 
 pub fn run(
     arguments: &Simulate,
-    mut scene: Scene,
+    (mut scene, source): (Scene, &Source),
     experiment: Experiment,
     name: &str,
     values: &[f64],
@@ -41,9 +47,23 @@ pub fn run(
     let outputs = names.iter().map(|name| output(scene, name)).collect::<Result<_, _>>()?;
     let window = arguments.window.unwrap_or(scene.experiment.stop_time / 4.0);
     let view = View { outputs, window };
-    let mut file = arguments.output.as_deref().map(AtomicFile::create).transpose()?;
-    let bar = Progress::in_parts("the runs");
-    let outcomes = watched(&bar, |watch| sweep(scene, name, values, &view, watch))?;
+    let work =
+        |journal: &Journal, watch: Watch<'_>| sweep(scene, name, values, &view, journal, watch);
+    let (outcomes, mut file) = if arguments.shared.is_part() {
+        let folder = arguments.shared.folder(arguments.output.as_deref())?;
+        let study = identity("sweep", (scene, source), &arguments.set, settings(arguments, &view)?);
+        let mut pieces = Pieces::open(folder, Program::Amontons, arguments.shared, &study, false)?;
+        let all = |journal: &Journal, watch: Watch<'_>| {
+            Ok(work(journal, watch)?.into_iter().collect::<Option<Vec<_>>>())
+        };
+        let Some(outcomes) = pieces.found("the runs", all)? else { return Ok(()) };
+        let file = AtomicFile::create(&folder.join("results.csv"))?;
+        (outcomes.into_iter().map(Some).collect(), Some(file))
+    } else {
+        let file = arguments.output.as_deref().map(AtomicFile::create).transpose()?;
+        let bar = Progress::in_parts("the runs");
+        (watched(&bar, |watch| work(&Journal::forgotten(), watch))?, file)
+    };
     let is_complete = outcomes.iter().all(Option::is_some);
     if let Some(Err(error)) = outcomes[0].as_ref().filter(|_| outcomes.iter().all(has_failed)) {
         return Err(error.clone().into());
@@ -74,6 +94,20 @@ pub fn run(
         return Err(Box::new(Interrupted));
     }
     file.map_or(Ok(()), |file| Ok(file.complete()?))
+}
+
+/// All settings on which the run of a value depends besides the scene and its values.
+fn settings(arguments: &Simulate, view: &View) -> Result<Value, amontons::Error> {
+    let read = |path: &PathBuf| {
+        fs::read_to_string(path).map_err(|error| amontons::Error::file(path, &error))
+    };
+    Ok(json!({
+        "stop_time": arguments.stop_time,
+        "output_interval": arguments.output_interval,
+        "of": arguments.of,
+        "window": view.window,
+        "from": arguments.from.as_ref().map(read).transpose()?,
+    }))
 }
 
 /// Prints the reasons why `settled` is unknown, each once; for windows that are too short, with the longest that is

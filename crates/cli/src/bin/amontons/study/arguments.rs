@@ -38,6 +38,12 @@ pub enum Study {
     Perturbation(Perturbation),
     /// Basins of attraction in a plane of two initial values
     Basin(Basin),
+    /// Put the pieces of all workers of a study together (--shard), tell what is missing, or write the results
+    ///
+    /// It may be run at any time and any number of times, while workers run or after they were killed, in the folder in
+    /// which they were started. If pieces are missing, it tells how many and what to do next (exit code 5). If none is,
+    /// it writes what one machine writes: for a study its files, for a sweep results.csv.
+    Merge(super::merge::Merge),
 }
 
 /// Arguments of all studies.

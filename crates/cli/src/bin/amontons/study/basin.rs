@@ -3,7 +3,7 @@
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::attractor::{self, number};
 use super::folder::Folder;
-use super::{heading, interrupted, prepared_with, watched};
+use super::{heading, prepared_with};
 use amontons::scene::Scene;
 use amontons_analysis::study::basin::{
     Axis, Basin as Found, Cell, Coverage, SHORT_WINDOWS, basin, check_points,
@@ -12,6 +12,7 @@ use amontons_analysis::study::{ObservationSettings, initial_value};
 use amontons_cli::arguments::{Values, named_grid};
 use amontons_cli::charts::attractor::{unit_of, words};
 use amontons_cli::say;
+use amontons_cli::shards::ShardArguments;
 use amontons_pictures::picture::{Class, Map};
 use clap::Args;
 use serde_json::json;
@@ -21,6 +22,8 @@ use std::error::Error;
 pub struct Basin {
     #[command(flatten)]
     common: StudyArguments,
+    #[command(flatten)]
+    shared: ShardArguments,
     #[command(flatten)]
     options: ObservationOptions,
     /// Initial value on the horizontal axis, such as module[1].v2, from A to B in steps of STEP or as N values;
@@ -37,7 +40,7 @@ pub struct Basin {
 }
 
 pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
-    let Basin { common, options, x, y, every_point } = arguments;
+    let Basin { common, shared, options, x, y, every_point } = arguments;
     let (scene, source, observation) = prepared_with(common, options, |_, _| {})?;
     let axis = |(name, values): &(String, Values)| {
         Ok::<_, amontons::Error>(Axis {
@@ -54,10 +57,10 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
     }
     let coverage = if *every_point { Coverage::EveryPoint } else { Coverage::Traced };
     let settings = json!({ "x": x, "y": y, "look": observation, "every_point": every_point });
-    let folder = Folder::open(common, "basin", (&scene, &source), settings)?;
-    let found =
-        watched(|watch| basin(&scene, [&x, &y], &observation, coverage, folder.journal(), watch))?;
-    let Some(found) = found else { return Err(interrupted(&folder)) };
+    let mut folder = Folder::open_shared(common, *shared, "basin", (&scene, &source), settings)?;
+    let found = folder
+        .found(|journal, watch| basin(&scene, [&x, &y], &observation, coverage, journal, watch))?;
+    let Some(found) = found else { return Ok(()) };
     let points = y.values.iter().zip(&found.rows);
     let points = points.flat_map(|(y, row)| x.values.iter().zip(row).map(move |(x, c)| (x, y, c)));
     folder.write_csv(

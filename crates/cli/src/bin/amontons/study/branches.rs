@@ -3,7 +3,7 @@
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, STUDY, quoted};
 use super::orbit::{BOUNDARY, named_ends, read, words};
-use super::{heading, interrupted, prepared, watched_unevenly};
+use super::{heading, prepared, watched_unevenly};
 use amontons::scene::{Scene, Source};
 use amontons_analysis::orbit::{Branch, BranchEnd, BranchPoint, SpecialKind, SpecialPoint};
 use amontons_analysis::study::perturbation::Direction;
@@ -109,7 +109,7 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
     let found = watched_unevenly(|watch| {
         branches(&scene, &observation, &question, folder.journal(), watch)
     })?;
-    let Some(found) = found else { return Err(interrupted(&folder)) };
+    let Some(found) = found else { return Err(folder.interrupted()) };
     if let (Some(Err(why)), true) =
         (found.branches.first(), found.branches.iter().all(Result::is_err))
     {

@@ -2,7 +2,7 @@
 
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, quoted};
-use super::{heading, interrupted, prepared, watched_unevenly};
+use super::{heading, prepared, watched_unevenly};
 use amontons::contact::JoinedStates;
 use amontons::scene::Scene;
 use amontons::simulation::at_instant;
@@ -76,7 +76,7 @@ pub fn run(arguments: &ContinuationArguments) -> Result<(), Box<dyn Error>> {
         Plan { scene: &scene, observation: &observation, values, resolution, push, candidates };
     let Some(found) = watched_unevenly(|watch| continuation(&plan, folder.journal(), watch))?
     else {
-        return Err(interrupted(&folder));
+        return Err(folder.interrupted());
     };
     let known = known.as_ref();
     write(&folder, &scene, &observation, &found, known.ok())?;

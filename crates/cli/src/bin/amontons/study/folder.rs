@@ -2,13 +2,14 @@
 
 use super::arguments::{Pictures, StudyArguments};
 use amontons::scene::{Scene, Source};
+use amontons_analysis::journal::Journal;
 use amontons_analysis::output::AtomicFile;
-use amontons_analysis::study::{Journal, Owner};
+use amontons_analysis::watch::Watch;
+use amontons_cli::shards::{Pieces, Program, ShardArguments, identity, other};
 use amontons_pictures::picture::Chart;
 use serde::Serialize;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::error::Error;
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +17,7 @@ pub struct Folder {
     path: PathBuf,
     pictures: Pictures,
     study: Value,
-    journal: Journal,
+    pieces: Pieces,
 }
 
 impl Folder {
@@ -29,48 +30,51 @@ impl Folder {
     pub fn open(
         common: &StudyArguments,
         kind: &str,
+        scene: (&Scene, &Source),
+        settings: impl Serialize,
+    ) -> Result<Self, Box<dyn Error>> {
+        Self::open_shared(common, ShardArguments::default(), kind, scene, settings)
+    }
+
+    /// Opens or creates the folder as [`Self::open`] does, for a study whose pieces several workers may share.
+    ///
+    /// # Errors
+    /// Returns an error as [`Self::open`] does, or if workers do not name their folder.
+    pub fn open_shared(
+        common: &StudyArguments,
+        shared: ShardArguments,
+        kind: &str,
         (scene, source): (&Scene, &Source),
         settings: impl Serialize,
     ) -> Result<Self, Box<dyn Error>> {
-        let set: Map<String, Value> =
-            common.set.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
-        let study = json!({
-            "study": kind,
-            "version": env!("CARGO_PKG_VERSION"),
-            "format": FORMAT,
-            "scene": scene.name,
-            "file": source.text,
-            "tables": source.tables,
-            "set": set,
-            "method": scene.method,
-            "step": scene.step,
-            "settings": settings,
-        });
+        let study = identity(kind, (scene, source), &common.set, settings);
         let path = match &common.output {
             Some(path) => path.clone(),
-            None => free(&format!("{}-{kind}", scene.name), &study),
+            None if shared.is_part() => return Err(shared.without_folder().into()),
+            None => free(&format!("{}-{kind}", scene.name), &study)?,
         };
-        if path.exists() && !path.is_dir() {
-            let error = std::io::ErrorKind::NotADirectory.into();
-            return Err(amontons::Error::file(&path, &error).into());
-        }
-        if let (Some(why), false) = (other(&path, &study), common.anew) {
-            let error = std::io::Error::other(format!(
-                "the folder holds another study: {why}; give another folder with -o, or discard its journal with --anew"
-            ));
-            return Err(amontons::Error::file(&path, &error).into());
-        }
-        fs::create_dir_all(&path).map_err(|error| amontons::Error::file(&path, &error))?;
-        let journal = Journal::open(&path.join(JOURNAL), &study, common.anew)?;
-        Ok(Self { path, pictures: common.pictures, study, journal })
+        let pieces = Pieces::open(&path, Program::Amontons, shared, &study, common.anew)?;
+        Ok(Self { path, pictures: common.pictures, study, pieces })
+    }
+
+    /// The results of the study's work; `None` if they need pieces of other workers, and this command has done its part.
+    ///
+    /// # Errors
+    /// Returns an error if the work fails, is ended by the user, or cannot have its results yet ([`Pieces::found`]).
+    pub fn found<T>(
+        &mut self,
+        work: impl Fn(&Journal, Watch<'_>) -> Result<Option<T>, amontons::Error>,
+    ) -> Result<Option<T>, Box<dyn Error>> {
+        self.pieces.found("the study", work)
     }
 
     pub fn journal(&self) -> &Journal {
-        &self.journal
+        self.pieces.journal()
     }
 
-    pub fn journal_path(&self) -> PathBuf {
-        self.path.join(JOURNAL)
+    /// Tells how to continue the study that the user has ended, and returns the error for it.
+    pub fn interrupted(&self) -> Box<dyn Error> {
+        self.pieces.interrupted()
     }
 
     pub fn path(&self) -> &Path {
@@ -115,10 +119,8 @@ impl Folder {
     /// Returns an error if the file cannot be written; its previous content is kept.
     pub fn write_json(&self, results: impl Serialize) -> Result<(), Box<dyn Error>> {
         let path = self.path.join(STUDY);
-        let command: Vec<String> = std::env::args().skip(1).collect();
         let mut study = self.study.clone();
-        study["command"] =
-            json!(["amontons".to_owned()].into_iter().chain(command).collect::<Vec<_>>());
+        study["command"] = json!(self.pieces.command());
         study["results"] = serde_json::to_value(results)?;
         let mut file = AtomicFile::create(&path)?;
         let written = file.write_all(format!("{study:#}\n").as_bytes());
@@ -148,30 +150,17 @@ impl Folder {
 }
 
 /// The first folder of this name, or of this name and a number, that holds no other study.
-fn free(name: &str, study: &Value) -> PathBuf {
+fn free(name: &str, study: &Value) -> Result<PathBuf, amontons::Error> {
     let first = PathBuf::from(name);
-    let Some(why) = other(&first, study) else { return first };
-    let path = (2..)
-        .map(|number| PathBuf::from(format!("{name}-{number}")))
-        .find(|path| !path.exists() || (path.is_dir() && other(path, study).is_none()))
-        .expect("there are more numbers than folders");
-    eprintln!("note: {name} holds another study: {why}; this one is in {}", path.display());
-    path
-}
-
-/// Returns the reason why a folder belongs to another study: settings that differ, or results of an unknown study;
-/// `None` if it does not.
-fn other(path: &Path, study: &Value) -> Option<String> {
-    let has_results = RESULTS.iter().any(|name| path.join(name).exists());
-    match Owner::of(&path.join(JOURNAL), study) {
-        Owner::This => None,
-        // A folder with neither pieces nor results was left by a study that ended before its first piece.
-        Owner::Another { why, has_pieces } => (has_pieces || has_results).then_some(why),
-        Owner::Nobody if has_results => {
-            Some(format!("the folder has results, but no {JOURNAL} that identifies their study"))
+    let Some(why) = other(&first, study)? else { return Ok(first) };
+    for number in 2_u32.. {
+        let path = PathBuf::from(format!("{name}-{number}"));
+        if !path.exists() || (path.is_dir() && other(&path, study)?.is_none()) {
+            eprintln!("note: {name} holds another study: {why}; this one is in {}", path.display());
+            return Ok(path);
         }
-        Owner::Nobody => None,
     }
+    unreachable!("there are more numbers than folders")
 }
 
 /// Quotes a text as a field of a CSV file.
@@ -179,13 +168,5 @@ pub fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
 }
 
-/// Version of the journals; it changes when pieces are computed in another way, so that old pieces are not reused.
-const FORMAT: u32 = 1;
-
-const JOURNAL: &str = "journal.jsonl";
-
 /// The command, the scene and all settings of a study, and its results.
 pub const STUDY: &str = "study.json";
-
-/// Files that every study writes at its end.
-const RESULTS: [&str; 2] = ["results.csv", STUDY];

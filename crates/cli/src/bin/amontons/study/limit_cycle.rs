@@ -2,7 +2,7 @@
 
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, quoted};
-use super::{heading, interrupted, over, prepared, prepared_again, watched};
+use super::{heading, over, prepared, prepared_again};
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
@@ -14,6 +14,7 @@ use amontons_analysis::sweep::range::{self, number};
 use amontons_cli::arguments::Values;
 use amontons_cli::charts::limit_cycle::{Results, changes};
 use amontons_cli::say;
+use amontons_cli::shards::ShardArguments;
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
@@ -29,6 +30,8 @@ pub struct LimitCycle {
     pub parameter: Option<(String, Values)>,
     #[command(flatten)]
     pub options: ObservationOptions,
+    #[command(flatten)]
+    pub shared: ShardArguments,
     /// Accuracy of the values at which the motion changes, as a part of the distance between two values
     #[arg(long, value_name = "PART", default_value = "1e-3", value_parser = part, allow_hyphen_values = true)]
     pub resolution: f64,
@@ -68,7 +71,7 @@ fn as_it_is(scene: &Scene) -> (String, Values) {
 }
 
 pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
-    let LimitCycle { common, parameter, options, .. } = arguments;
+    let LimitCycle { common, shared, parameter, options, .. } = arguments;
     let (scene, source, observation) = prepared(common, options)?;
     let (name, Values(values)) = &parameter.clone().unwrap_or_else(|| as_it_is(&scene));
     // The values are checked before the folder is created.
@@ -110,10 +113,12 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
         let observation = prepare(&mut scene)?;
         runs.push((scene, observation));
     }
-    let folder = Folder::open(common, "limit-cycle", (&scene, &source), (&observation, options))?;
+    let settings = (&observation, options);
+    let mut folder =
+        Folder::open_shared(common, *shared, "limit-cycle", (&scene, &source), settings)?;
     let found =
-        watched(|watch| limit_cycles(&scene, &prepare, &question, folder.journal(), watch))?;
-    let Some(found) = found else { return Err(interrupted(&folder)) };
+        folder.found(|journal, watch| limit_cycles(&scene, &prepare, &question, journal, watch))?;
+    let Some(found) = found else { return Ok(()) };
     let results =
         Results { scene: &scene, of: &observation.of, question: &question, found: &found };
     folder.write_csv(&head(&results), rows(&results))?;

@@ -7,6 +7,7 @@ mod branches;
 mod continuation;
 mod folder;
 mod limit_cycle;
+mod merge;
 pub mod orbit;
 mod perturbation;
 mod transient;
@@ -18,12 +19,10 @@ use amontons_analysis::assign::assign;
 use amontons_analysis::doubts::doubts_of;
 use amontons_analysis::study::{self, ObservationSettings, Watch, derive_pace, pace};
 use amontons_analysis::sweep::range::check_once;
-use amontons_cli::interrupt::{self, Interrupted};
+use amontons_cli::interrupt;
 use amontons_cli::progress::Progress;
-use amontons_export::documentation::counted;
 use amontons_export::scene;
 use arguments::{ObservationOptions, Study, StudyArguments};
-use folder::Folder;
 use std::error::Error;
 
 pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
@@ -36,6 +35,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Perturbation(arguments) => perturbation::run(arguments),
         Study::Orbit(arguments) => orbit::run(arguments),
         Study::Branches(arguments) => branches::run(arguments),
+        Study::Merge(arguments) => merge::run(arguments),
     }
 }
 
@@ -133,14 +133,4 @@ fn watched_unevenly<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
     interrupt::watched(&Progress::in_uneven_parts("the study"), work)
-}
-
-/// Prints how to continue a study that the user has ended, and returns the error for it.
-fn interrupted(folder: &Folder) -> Box<dyn Error> {
-    eprintln!(
-        "note: {} kept in {}; the same command continues from there",
-        counted(folder.journal().len(), "finished piece is", "finished pieces are"),
-        folder.journal_path().display()
-    );
-    Box::new(Interrupted)
 }

@@ -2,7 +2,7 @@
 
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::Folder;
-use super::{heading, interrupted, prepared, watched};
+use super::{heading, prepared, watched};
 use amontons::integrator::Event;
 use amontons::scene::Scene;
 use amontons_analysis::orbit::{Orbit, OrbitEnergy, OrbitEvent, OrbitStart, check_signals};
@@ -75,7 +75,7 @@ pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
         Ok(found) => found,
         Err(unfound) => return Err(with_best(unfound, folder.path())?.into()),
     };
-    let Some(found) = found else { return Err(interrupted(&folder)) };
+    let Some(found) = found else { return Err(folder.interrupted()) };
     // That of an earlier study in the same folder.
     let _ = std::fs::remove_file(folder.path().join(BEST));
     folder.write_csv(

@@ -3,7 +3,7 @@
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::attractor::{self, number};
 use super::folder::Folder;
-use super::{heading, interrupted, prepared, watched};
+use super::{heading, prepared, watched};
 use amontons::scene::Scene;
 use amontons_analysis::study::perturbation::{
     Direction, Perturbations, Run, Threshold, perturbation,
@@ -13,6 +13,7 @@ use amontons_cli::arguments::{Values, grid};
 use amontons_cli::charts::attractor::unit_of;
 use amontons_cli::charts::perturbation::{endings, histories};
 use amontons_cli::say;
+use amontons_cli::shards::ShardArguments;
 use amontons_export::documentation::counted;
 use clap::Args;
 use serde_json::json;
@@ -22,6 +23,8 @@ use std::error::Error;
 pub struct Perturbation {
     #[command(flatten)]
     common: StudyArguments,
+    #[command(flatten)]
+    shared: ShardArguments,
     #[command(flatten)]
     options: ObservationOptions,
     /// Initial value to vary, such as module[1].v2; the other initial values are those of the scene or of --set
@@ -36,7 +39,8 @@ pub struct Perturbation {
 }
 
 pub fn run(arguments: &Perturbation) -> Result<(), Box<dyn Error>> {
-    let Perturbation { common, options, direction: name, amplitude, resolution } = arguments;
+    let Perturbation { common, shared, options, direction: name, amplitude, resolution } =
+        arguments;
     let (scene, source, observation) = prepared(common, options)?;
     let direction = Direction {
         name: initial_value(&scene, name)?,
@@ -48,10 +52,11 @@ pub fn run(arguments: &Perturbation) -> Result<(), Box<dyn Error>> {
     }
     // Neither the range nor the resolution affects the end of a run, so both may be changed later.
     let settings = json!({ "direction": direction.name, "look": observation });
-    let folder = Folder::open(common, "perturbation", (&scene, &source), settings)?;
-    let found =
-        watched(|watch| perturbation(&scene, &direction, &observation, folder.journal(), watch))?;
-    let Some(found) = found else { return Err(interrupted(&folder)) };
+    let mut folder =
+        Folder::open_shared(common, *shared, "perturbation", (&scene, &source), settings)?;
+    let found = folder
+        .found(|journal, watch| perturbation(&scene, &direction, &observation, journal, watch))?;
+    let Some(found) = found else { return Ok(()) };
     folder.write_csv(
         &["amplitude", "kind", "attractor", "final_amplitude", "frequency", "time"],
         found.runs.iter().map(row),
@@ -64,7 +69,7 @@ pub fn run(arguments: &Perturbation) -> Result<(), Box<dyn Error>> {
             histories(&scene, &direction, &observation, (&found, threshold), &|| watch.is_over())
         })? {
             Some(chart) => folder.draw("histories", &chart)?,
-            None => return Err(interrupted(&folder)),
+            None => return Err(folder.interrupted()),
         }
     }
     say!("\nresults and pictures are in {}", folder.path().display());

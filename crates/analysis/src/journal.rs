@@ -84,6 +84,22 @@ impl Journal {
         asked.iter().filter(|key| !done.contains_key(*key)).cloned().collect()
     }
 
+    /// Adds finished pieces, by their keys, to the file too, unless they are there.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be written.
+    pub fn adopt(&self, pieces: impl IntoIterator<Item = (String, Value)>) -> Result<(), Error> {
+        let pages = &mut *self.pages();
+        let pieces = pieces.into_iter().filter(|(key, _)| !pages.done.contains_key(key));
+        let new: Vec<(String, Value)> = pieces.collect();
+        if let (Some(file), Some(path), false) = (&mut pages.file, &self.path, new.is_empty()) {
+            let lines: String = new.iter().map(|(key, piece)| line(key, piece)).collect();
+            append(file, &lines).map_err(|error| Error::file(path, &error))?;
+        }
+        pages.done.extend(new);
+        Ok(())
+    }
+
     /// Opens the journal in a file, with the finished pieces of this study; a new one is begun where there is none,
     /// or with `anew`.
     ///
@@ -117,7 +133,7 @@ impl Journal {
         file.set_len(kept as u64).map_err(failed)?;
         file.seek(SeekFrom::End(0)).map_err(failed)?;
         if kept == 0 {
-            append(&mut file, &json!({ "study": study })).map_err(failed)?;
+            append(&mut file, &format!("{}\n", json!({ "study": study }))).map_err(failed)?;
         }
         Ok(Self::new(Some(path.to_owned()), Pages { file: Some(file), done, ..Pages::default() }))
     }
@@ -164,7 +180,7 @@ impl Journal {
         })?;
         let pages = &mut *self.pages();
         if let (Some(file), Some(path)) = (&mut pages.file, &self.path) {
-            append(file, &json!({ "key": key, "piece": value })).map_err(|error| {
+            append(file, &line(key, &value)).map_err(|error| {
                 Error::unusable_file(format!(
                     "cannot write {}: {error}; the results that were finished before are kept there, and the same \
                      command continues from them",
@@ -218,11 +234,52 @@ impl Owner {
     }
 }
 
-/// Adds a line, which is there as a whole or cut off.
-fn append(file: &mut File, line: &Value) -> std::io::Result<()> {
-    let mut text = line.to_string();
-    text.push('\n');
-    file.write_all(text.as_bytes())?;
+/// A journal as a reader finds it that may not write it, while another program may.
+pub struct Found {
+    /// The study that its first line identifies.
+    pub study: Value,
+    /// The finished pieces by their keys.
+    pub pieces: BTreeMap<String, Value>,
+}
+
+impl Found {
+    /// The journal in a file, up to a line that is not whole, as a program that is writing or was killed leaves it;
+    /// `None` if there is no file, or none with a first line.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn at(path: &Path) -> Result<Option<Self>, Error> {
+        let bytes = match std::fs::read(path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            read => read.map_err(|error| Error::file(path, &error))?,
+        };
+        let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
+        let mut next = || {
+            let line = lines.next().filter(|line| line.ends_with(b"\n"))?;
+            serde_json::from_slice::<Value>(line).ok()
+        };
+        let Some(study) = next().and_then(|mut head| head.get_mut("study").map(Value::take)) else {
+            return Ok(None);
+        };
+        let pieces = std::iter::from_fn(|| entry(next()?)).collect();
+        Ok(Some(Self { study, pieces }))
+    }
+}
+
+/// The line of a piece.
+fn line(key: &str, piece: &Value) -> String {
+    format!("{}\n", json!({ "key": key, "piece": piece }))
+}
+
+/// The key and the piece of a line; `None` if it has none.
+fn entry(mut line: Value) -> Option<(String, Value)> {
+    let piece = line.get_mut("piece").map(Value::take);
+    line.get("key").and_then(Value::as_str).map(str::to_owned).zip(piece)
+}
+
+/// Adds lines, of which the last is there as a whole or cut off.
+fn append(file: &mut File, lines: &str) -> std::io::Result<()> {
+    file.write_all(lines.as_bytes())?;
     match file.sync_data() {
         // Outputs such as a pipe cannot be synchronised to a disk.
         Err(error) if error.kind() == ErrorKind::InvalidInput => Ok(()),
@@ -247,18 +304,14 @@ fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<Option<HashMap<Strin
         )));
     }
     lines
-        .map(|line| {
-            let mut line = line.map_err(|_| damaged(path))?;
-            let piece = line.get_mut("piece").map(Value::take);
-            let key = line.get("key").and_then(Value::as_str).map(str::to_owned);
-            key.zip(piece).ok_or_else(|| damaged(path))
-        })
+        .map(|line| line.ok().and_then(entry).ok_or_else(|| damaged(path)))
         .collect::<Result<_, _>>()
         .map(Some)
 }
 
 /// The first difference between two studies: its name, the value there, in a file, and the value here.
-fn difference(there: &Value, here: &Value) -> String {
+#[must_use]
+pub fn difference(there: &Value, here: &Value) -> String {
     let (mut path, mut two) = (String::new(), [there, here]);
     while let [Value::Object(a), Value::Object(b)] = two {
         // The kind of study says more than the settings that go with it, and these more than the values that follow
@@ -423,6 +476,30 @@ mod tests {
         assert_eq!((sum(&even), even.missing()), (None, vec!["sum".to_owned()]));
         odd.learn(even.pieces());
         assert_eq!((sum(&odd), odd.missing()), (Some(3.0), vec![]));
+    }
+
+    #[test]
+    fn a_journal_that_another_program_writes_is_read_up_to_its_last_whole_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        assert!(Found::at(&path).unwrap().is_none());
+        let journal = Journal::open(&path, &json!({ "kind": "test" }), false).unwrap();
+        journal.adopt(["a", "b"].map(|key| (key.to_owned(), json!(1.0)))).unwrap();
+        // A second adoption adds no line.
+        journal.adopt([("a".to_owned(), json!(1.0))]).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        assert_eq!(whole.iter().filter(|byte| **byte == b'\n').count(), 3);
+        for cut in 0..=whole.len() {
+            std::fs::write(&path, &whole[..cut]).unwrap();
+            let lines = whole[..cut].iter().filter(|byte| **byte == b'\n').count();
+            let found = Found::at(&path).unwrap();
+            assert_eq!(found.map(|found| found.pieces.len()), lines.checked_sub(1), "{cut}");
+        }
+        // A network file system may show zeros where another machine's bytes are to come.
+        let mut zeros = whole.clone();
+        zeros[whole.len() - 9..whole.len() - 1].fill(0);
+        std::fs::write(&path, zeros).unwrap();
+        assert_eq!(Found::at(&path).unwrap().unwrap().pieces.len(), 1);
     }
 
     #[test]
