@@ -1,11 +1,12 @@
 //! The compiled part of the Python package `amontons`.
 //!
 //! It gives Python what the crates of Amontons have, with as little of its own as can be: arguments are Python's
-//! numbers and texts, results are NumPy arrays that take over the memory of Rust's vectors, and JSON where a result has
+//! numbers and texts, results are NumPy arrays, and JSON where a result has
 //! many parts. The Python sources beside it, in `python/amontons`, are what users see.
 //!
 //! | file | contents |
 //! | --- | --- |
+//! | `array` | NumPy arrays of results |
 //! | `errors` | exceptions with the texts of the crates' errors |
 //! | `interrupt` | long work without the interpreter's lock, which Ctrl-C ends |
 //! | `scene` | scenes, which never change |
@@ -15,6 +16,7 @@
 //! | `study` | studies, as a whole or in pieces for many workers |
 //! | `export` | FMUs |
 
+mod array;
 mod errors;
 mod export;
 mod interrupt;

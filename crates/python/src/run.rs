@@ -1,12 +1,12 @@
 //! One run of a scene as arrays.
 
+use crate::array::reals;
 use crate::errors::raised;
 use crate::scene::Scene;
 use amontons::Error;
 use amontons::scene::{Experiment, did_you_mean};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Simulation, Variable, broken_assumptions, variables};
-use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 
@@ -15,8 +15,7 @@ const ROWS_AT_ONCE: usize = 256;
 
 /// Times (s), and for each output its name, its values and `true` if these are whole numbers; warnings of assumptions
 /// that the run has broken.
-type Rows<'py> =
-    (Bound<'py, PyArray1<f64>>, Vec<(String, Bound<'py, PyArray1<f64>>, bool)>, Vec<String>);
+type Rows<'py> = (Bound<'py, PyAny>, Vec<(String, Bound<'py, PyAny>, bool)>, Vec<String>);
 
 /// Runs a scene to its stop time.
 #[pyfunction]
@@ -48,9 +47,9 @@ pub fn run<'py>(
         py.detach(|| rows(&scene.scene, experiment, &outputs, &heard))?;
     let columns = outputs.iter().zip(columns).map(|(output, column)| {
         let is_whole = !matches!(output.template.kind, Kind::Real { .. });
-        (output.name.clone(), column.into_pyarray(py), is_whole)
+        Ok((output.name.clone(), reals(py, column.into_iter())?, is_whole))
     });
-    Ok((times.into_pyarray(py), columns.collect(), warnings))
+    Ok((reals(py, times.into_iter())?, columns.collect::<PyResult<_>>()?, warnings))
 }
 
 /// The variables of these names, or all outputs.

@@ -1,10 +1,10 @@
 //! A motion that is advanced step by step.
 
+use crate::array::reals;
 use crate::errors::{Error, raised};
 use crate::run::no_variable;
 use crate::scene::Scene;
 use amontons::simulation::{Parameters, Progress, Snapshot, Variable, variables};
-use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde::{Deserialize, Serialize};
@@ -131,11 +131,7 @@ impl Simulation {
 
     /// The values of variables.
     #[allow(clippy::needless_pass_by_value)]
-    fn read_all<'py>(
-        &self,
-        py: Python<'py>,
-        names: Vec<String>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn read_all<'py>(&self, py: Python<'py>, names: Vec<String>) -> PyResult<Bound<'py, PyAny>> {
         let variables: Vec<&Variable> =
             names.iter().map(|name| self.variable(name)).collect::<PyResult<_>>()?;
         let values: Vec<f64> = self.with(|simulation| {
@@ -144,7 +140,7 @@ impl Simulation {
                 .map(|variable| simulation.read(variable).map_err(raised))
                 .collect()
         })?;
-        Ok(values.into_pyarray(py))
+        reals(py, values.into_iter())
     }
 
     /// Gives an input or a tunable parameter another value from now on.
@@ -154,11 +150,12 @@ impl Simulation {
     }
 
     /// Displacements from the equilibrium (m) and velocities (m/s), one for each degree of freedom.
-    fn motion<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
+    fn motion<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let two = self.with(|simulation| {
             Ok([simulation.displacement().to_vec(), simulation.velocity().to_vec()])
         })?;
-        Ok(two.map(|values| values.into_pyarray(py)))
+        let [displacement, velocity] = two.map(|values| reals(py, values.into_iter()));
+        Ok((displacement?, velocity?))
     }
 
     /// The states of the contacts, as the paper writes them.

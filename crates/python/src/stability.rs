@@ -1,5 +1,6 @@
 //! Stability of contact states: eigenvalues, loci, candidates, verdicts.
 
+use crate::array::{complexes, reals};
 use crate::errors::raised;
 use crate::interrupt::watched;
 use crate::scene::Scene;
@@ -14,7 +15,6 @@ use amontons_analysis::stability::locus as loci;
 use amontons_analysis::stability::{Linearised, StateClasses, map};
 use amontons_analysis::sweep::FRICTION;
 use nalgebra::Complex;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::borrow::Cow;
@@ -66,26 +66,25 @@ pub fn eigenvalues<'py>(
     state: Option<&str>,
     friction: Option<f64>,
     at: f64,
-) -> PyResult<Bound<'py, PyArray1<Complex<f64>>>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let found = py.detach(|| {
         let here = linearised(scene, friction, at)?;
         let states = states_of(state, &here)?;
         Spectrum::of(here.linear()?, &states)
     });
-    Ok(all(found.map_err(raised)?).into_pyarray(py))
+    complexes(py, &all(found.map_err(raised)?))
 }
 
 /// Eigenvalues of a contact state, 1/s, and the shapes of their modes, one row for each mode.
 #[pyfunction]
 #[pyo3(signature = (scene, state=None, friction=None, at=0.0))]
-#[allow(clippy::type_complexity)]
 pub fn modes<'py>(
     py: Python<'py>,
     scene: &Scene,
     state: Option<&str>,
     friction: Option<f64>,
     at: f64,
-) -> PyResult<(Bound<'py, PyArray1<Complex<f64>>>, Bound<'py, PyArray2<Complex<f64>>>)> {
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let (values, shapes, dofs) = py
         .detach(|| {
             let here = linearised(scene, friction, at)?;
@@ -97,20 +96,21 @@ pub fn modes<'py>(
         })
         .map_err(raised)?;
     let shape = [values.len(), dofs];
-    Ok((values.into_pyarray(py), shapes.into_pyarray(py).reshape(shape)?))
+    let shapes = complexes(py, &shapes)?.call_method1("reshape", (shape,))?;
+    Ok((complexes(py, &values)?, shapes))
 }
 
 /// All contact states with their eigenvalues, 1/s.
 #[pyfunction]
 #[pyo3(signature = (scene, friction=None, at=0.0, progress=None))]
-#[allow(clippy::needless_pass_by_value, clippy::type_complexity)]
+#[allow(clippy::needless_pass_by_value)]
 pub fn states<'py>(
     py: Python<'py>,
     scene: &Scene,
     friction: Option<f64>,
     at: f64,
     progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Vec<(String, Bound<'py, PyArray1<Complex<f64>>>)>> {
+) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
     let found = watched(py, progress.as_ref(), |watch| {
         let here = linearised(scene, friction, at)?;
         let classes = StateClasses::of(here.model())?;
@@ -122,7 +122,7 @@ pub fn states<'py>(
         Ok(found.collect::<Vec<_>>())
     })?
     .map_err(raised)?;
-    Ok(found.into_iter().map(|(name, spectrum)| (name, all(spectrum).into_pyarray(py))).collect())
+    found.into_iter().map(|(name, spectrum)| Ok((name, complexes(py, &all(spectrum))?))).collect()
 }
 
 /// Modes of a contact state followed over the values of a parameter.
@@ -159,7 +159,10 @@ pub fn locus<'py>(
     let result = PyDict::new(py);
     let branches = found.branches.len();
     let flat: Vec<Complex<f64>> = found.branches.iter().flatten().map(|root| root.lambda).collect();
-    result.set_item("eigenvalue", flat.into_pyarray(py).reshape([branches, values.len()])?)?;
+    result.set_item(
+        "eigenvalue",
+        complexes(py, &flat)?.call_method1("reshape", ([branches, values.len()],))?,
+    )?;
     let crossings = found.crossings.iter().map(|crossing| {
         (crossing.value, crossing.mode, crossing.frequency_hz, crossing.becomes_unstable)
     });
@@ -218,16 +221,15 @@ pub fn candidates<'py>(
 /// The equilibrium in uniform sliding: displacements (m), normal and friction forces (N).
 #[pyfunction]
 #[pyo3(signature = (scene, at=0.0))]
-#[allow(clippy::type_complexity)]
 pub fn equilibrium<'py>(
     py: Python<'py>,
     scene: &Scene,
     at: f64,
-) -> PyResult<[Bound<'py, PyArray1<f64>>; 3]> {
+) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let found =
         py.detach(|| linearised(scene, None, at)?.equilibrium().cloned()).map_err(raised)?;
     let parts = [found.displacement, found.normal_force, found.friction_force];
-    Ok(parts.map(|values| values.into_pyarray(py)))
+    parts.into_iter().map(|values| reals(py, values.into_iter())).collect()
 }
 
 /// The verdict on uniform sliding, in words.
