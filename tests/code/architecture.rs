@@ -30,6 +30,7 @@ const PACKAGES: [(&str, &[&str]); 4] = [
             "journal",
             "output",
             "statistics",
+            "regions",
             "spectral",
             "assign",
             "instant",

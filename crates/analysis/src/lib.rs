@@ -9,6 +9,7 @@
 //! | [`journal`] | finished pieces of work, with which work that was ended continues, and which several workers share |
 //! | [`output`] | files of results that appear whole or not at all |
 //! | `statistics` | statistics of values |
+//! | [`regions`] | classes of a plane of points, found without looking at each point |
 //! | [`spectral`] | spectra of histories |
 //! | [`assign`] | a value of a scene, by its variable's name |
 //! | [`instant`] | what an analysis at one instant says of the signals that it leaves out |
@@ -33,6 +34,7 @@ pub mod journal;
 pub mod orbit;
 pub mod output;
 pub mod record;
+pub mod regions;
 pub mod spectral;
 pub mod stability;
 mod statistics;

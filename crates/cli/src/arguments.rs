@@ -48,3 +48,12 @@ pub fn named_steps(text: &str) -> Result<(String, Values), String> {
 pub fn named_grid(text: &str) -> Result<(String, Values), String> {
     range::named(text, grid)
 }
+
+/// Parses the width and height, in points, of the islands that are found wherever they lie.
+///
+/// # Errors
+/// Returns the mistake, for the message of the command line.
+pub fn islands(text: &str) -> Result<usize, String> {
+    let points = text.parse().ok().filter(|points: &usize| points.is_power_of_two());
+    points.ok_or_else(|| "must be a power of two: 1, 2, 4, 8 or more points".into())
+}

@@ -12,6 +12,7 @@ use amontons::selection::resolve;
 use amontons::simulation::at_instant;
 use amontons_analysis::instant::require_undriven;
 use amontons_analysis::orbit::OrbitStart;
+use amontons_analysis::regions::usual_islands;
 use amontons_analysis::stability::candidates::bistability;
 use amontons_analysis::study::basin::{Axis, Coverage, basin};
 use amontons_analysis::study::perturbation::{Direction, perturbation};
@@ -51,13 +52,16 @@ struct Request {
     kind: Kind,
 }
 
+/// A name and values of it.
+type Values = (String, Vec<f64>);
+
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "study", rename_all = "kebab-case")]
 enum Kind {
     Motion,
     LimitCycles { parameter: String, values: Vec<f64>, resolution: f64, portraits: Vec<f64> },
     Perturbations { parameter: String, values: Vec<f64>, resolution: f64 },
-    Basin { x: (String, Vec<f64>), y: (String, Vec<f64>), every_point: bool },
+    Basin { x: Values, y: Values, islands: Option<usize>, every_point: bool },
     Continuation { values: Vec<f64>, resolution: Option<f64> },
     Orbit { start: Start },
     Branches { parameter: String, range: [f64; 2], starts: Vec<Start>, points: usize },
@@ -228,12 +232,13 @@ impl Request {
                 perturbation(&scene, &direction, &observation, journal, watch)?
                     .map(|found| json!(found))
             }
-            Kind::Basin { x, y, every_point } => {
-                let axis = |(name, values): &(String, Vec<f64>)| Axis {
-                    name: name.clone(),
-                    values: values.clone(),
-                };
-                let coverage = if *every_point { Coverage::EveryPoint } else { Coverage::Traced };
+            Kind::Basin { x, y, islands, every_point } => {
+                let axis =
+                    |(name, values): &Values| Axis { name: name.clone(), values: values.clone() };
+                let usual = usual_islands([x.1.len(), y.1.len()]);
+                let islands = islands.map_or(usual, |side| [side; 2]);
+                let coverage =
+                    if *every_point { Coverage::EveryPoint } else { Coverage::Traced(islands) };
                 basin(&scene, [&axis(x), &axis(y)], &observation, coverage, journal, watch)?
                     .map(|found| json!(found))
             }

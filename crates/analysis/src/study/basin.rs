@@ -5,17 +5,16 @@
 //! habits of one attractor and of no other, or as it slides without a change of contact state and decays where nothing can grow; one
 //! that never does is followed until it is settled.
 //!
-//! Unless all points are asked for, every fourth one along both axes is run, and all those between which basins meet; the
-//! others are filled in ([`Coverage`]).
+//! Unless all points are asked for, those that the picture needs are run, and the others are filled in ([`Coverage`]).
 
 use super::attractor::attractors;
-use super::blocks::trace;
 use super::initial::{initial_value, starting_from};
 use super::long_term::{Kind, LongTermMotion};
 use super::observation::ObservationSettings;
 use super::settling::Settling;
 use super::work::Work;
 use super::{Journal, Watch};
+use crate::regions::{Found, lines, trace, usual_islands};
 use crate::spectral::Window;
 use crate::stability::candidates::resting_state;
 use crate::stability::parallel::collect;
@@ -49,15 +48,16 @@ const EARLY: f64 = 0.05;
 const PIECE: usize = 8;
 /// The part of the points that a traced plane runs, and the rounds that it runs them in, as estimates for the
 /// remaining work.
-const TRACED: f64 = 0.2;
+const TRACED: f64 = 0.1;
 const ROUNDS: f64 = 3.0;
 
 /// The points of a plane that are run, and the time for which they are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coverage {
-    /// Every fourth point along both axes is run, and all points between which basins meet; the others are filled in. A part
-    /// of a basin that is less than four points wide or high can be missed.
-    Traced,
+    /// The points of some columns and rows are run, and those that show where basins meet; the others are filled in. An
+    /// island of this width and height, in points, is found wherever it lies; a smaller one, or a tongue that is
+    /// narrower, can be missed ([`usual_islands`]).
+    Traced([usize; 2]),
     /// Every point is run.
     EveryPoint,
     /// Every point is run until it has settled; none is decided early.
@@ -78,7 +78,7 @@ pub struct Axis {
 pub struct Cell {
     /// The attractor of the point; `None` if it has not settled, or failed.
     pub attractor: Option<usize>,
-    /// `true` if the point was run; `false` if it is filled in, since all points around it that were run end in its
+    /// `true` if the point was run; `false` if it is filled in, since it lies midway between points that end in its
     /// attractor.
     pub run: bool,
     /// `true` if it was decided before it had settled.
@@ -167,7 +167,7 @@ pub fn basin(
     let mut part = 0.0;
     if coverage != Coverage::EveryPointSettled {
         let first = plane.first_points();
-        let others = if coverage == Coverage::Traced { TRACED } else { 1.0 };
+        let others = if matches!(coverage, Coverage::Traced(_)) { TRACED } else { 1.0 };
         #[allow(clippy::cast_precision_loss)]
         let [own, all] = [first.len(), found.len()].map(|count| count as f64);
         part = own / (own + EARLY * others * all);
@@ -178,8 +178,8 @@ pub fn basin(
             first.iter().filter_map(|&place| found[place].as_ref()).collect();
         knowledge = Knowledge::of(scene, &ends);
     }
-    let filled = if coverage == Coverage::Traced {
-        plane.trace(&knowledge, part, &mut found)?
+    let filled = if let Coverage::Traced(islands) = coverage {
+        plane.trace(islands, &knowledge, part, &mut found)?
     } else {
         let all: Vec<usize> = (0..found.len()).collect();
         let done = plane.run("all", &all, &knowledge, [part, 1.0], &mut found)?;
@@ -224,12 +224,22 @@ struct Trajectory {
 }
 
 impl Plane<'_> {
-    /// The places of the first points, row by row from 0 on.
+    fn size(&self) -> [usize; 2] {
+        self.axes.map(|axis| axis.values.len())
+    }
+
+    /// The places of the first points, row by row from 0 on. They are among those that the usual tracing runs anyway.
     fn first_points(&self) -> Vec<usize> {
-        let [columns, rows] = self.axes.map(|axis| axis.values.len());
-        let of_row =
-            |row: usize| spread(columns).into_iter().map(move |column| row * columns + column);
-        spread(rows).into_iter().flat_map(of_row).collect()
+        let (size, islands) = (self.size(), usual_islands(self.size()));
+        let [columns, rows] = [0, 1].map(|axis| {
+            let lines = lines(size[axis], islands[axis]);
+            spread(lines.len()).into_iter().map(|line| lines[line]).collect::<Vec<_>>()
+        });
+        let of_row = |row: &usize| {
+            let row = *row;
+            columns.iter().map(move |column| row * size[0] + column)
+        };
+        rows.iter().flat_map(of_row).collect()
     }
 
     /// Runs those of these points that were not run before, and notes what they end in; `None` if the watch ended it. `parts`: the
@@ -268,16 +278,17 @@ impl Plane<'_> {
         Ok(Some(()))
     }
 
-    /// Runs points between which basins meet; the attractors that the others are filled in with, or `None` if the watch
-    /// ended it. This part of all work is done before.
+    /// Runs the points that show where basins meet, and islands of this size; the attractors that the others are filled
+    /// in with, or `None` if the watch ended it. This part of all work is done before.
     fn trace(
         &self,
+        islands: [usize; 2],
         knowledge: &Knowledge,
         mut part: f64,
         found: &mut [Option<PointOutcome>],
     ) -> Result<Option<Vec<Option<usize>>>, Error> {
         let mut round = 0;
-        trace(self.axes.map(|axis| axis.values.len()), &mut |places| {
+        trace(self.size(), islands, &mut |places| {
             round += 1;
             // The last of the expected rounds takes half of the remaining work, as any further one does: it may not
             // be the last.
@@ -287,7 +298,8 @@ impl Plane<'_> {
             let done = self.run(&name, places, knowledge, [begin, part], found)?;
             let ends = || {
                 let (_, cells) = cells(&knowledge.attractors, found);
-                cells.into_iter().map(|cell| cell.map(|cell| cell.attractor)).collect()
+                let end = |cell: Option<Cell>| -> Found<usize> { cell.map(|cell| cell.attractor) };
+                cells.into_iter().map(end).collect()
             };
             Ok(done.map(|()| ends()))
         })

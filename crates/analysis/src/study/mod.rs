@@ -34,7 +34,6 @@ mod attractor;
 pub mod basin;
 mod basis;
 mod beat;
-mod blocks;
 mod branches;
 pub mod confirm;
 mod continuation;

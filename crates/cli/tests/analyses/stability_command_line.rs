@@ -125,6 +125,24 @@ fn a_map_can_be_had_as_data() {
 }
 
 #[test]
+fn a_traced_map_says_how_many_verdicts_are_filled_in() {
+    let plane = ["--x", "friction.coefficient=0:3/41", "--y", "module[1].k6=2e5:3e5/30"];
+    let all = [&["map", "set2"], &plane[..], &["--csv"]].concat();
+    let traced = [&all[..], &["--islands", "4"]].concat();
+    let folder = folder();
+    let [all, traced] = [all, traced].map(|arguments| stability(folder.path(), &arguments));
+    assert_eq!(text(&traced.stdout), text(&all.stdout));
+    assert_eq!(text(&all.stderr), "");
+    let note = text(&traced.stderr);
+    let filled_in = number_after(&note, "note: ");
+    assert!((600.0..1230.0).contains(&filled_in), "{note}");
+    let words = format!(
+        "{filled_in} of 1230 verdicts were not computed but filled in; an island of less than 4 by 4"
+    );
+    assert!(note.contains(&words), "{note}");
+}
+
+#[test]
 fn double_modes_of_a_ring_are_waves_around_it() {
     let folder = folder();
     let scene = include_str!("../../../../scenes/set1.toml").replace("modules = 2", "modules = 3");
@@ -542,6 +560,11 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
             &["too many"],
         ),
         (&["map", "set1", "--x", "k=0:1/1", "--y", "k=0:1/2", "--plot", "m.svg"], 2, &["from 2"]),
+        (
+            &["map", "set1", "--x", "k=0:1/2", "--y", "k=0:1/2", "--islands", "3"],
+            2,
+            &["1, 2, 4, 8"],
+        ),
     ];
     let folder = folder();
     for (arguments, code, words) in cases {

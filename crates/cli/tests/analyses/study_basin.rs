@@ -119,7 +119,7 @@ fn a_row_of_the_plane_ends_as_its_points_do_by_themselves() {
 fn a_plane_that_is_traced_is_the_plane_of_all_points() {
     let scene = set2();
     let axes = [&axis(V1, 0.3, 26), &axis(V2, 0.25, 23)];
-    let [traced, every] = [Traced, EveryPoint].map(|coverage| of(&scene, axes, coverage));
+    let [traced, every] = [Traced([4, 4]), EveryPoint].map(|coverage| of(&scene, axes, coverage));
     assert_eq!(traced.attractors, every.attractors);
     let (mut run, mut all) = (0, 0);
     for (traced, every) in traced.rows.iter().flatten().zip(every.rows.iter().flatten()) {
@@ -127,7 +127,7 @@ fn a_plane_that_is_traced_is_the_plane_of_all_points() {
         assert!(every.run && (traced.run || (!traced.early && traced.attractor.is_some())));
         (run, all) = (run + u32::from(traced.run), all + 1);
     }
-    assert!(2 * run < all, "{run} of {all}");
+    assert!(4 * run < all, "{run} of {all}");
 }
 
 /// The modules of Set 2 are equal: to push one instead of the other changes names alone.
@@ -247,6 +247,10 @@ fn planes_that_make_no_sense_are_refused_with_what_would() {
     refused(x, "slider.velocity=-1:1/4", 2, &["no initial value slider.velocity"]);
     refused(x, "module[2].v2=-1:1", 2, &["A:B/N"]);
     refused(x, "module[2].v2", 2, &["NAME=A:B/N"]);
+    let both = amontons(folder.path(), &all("plane", &["--islands=4", "--every-point"]));
+    assert_refused(&both, 2, &["--islands", "--every-point"]);
+    let none = amontons(folder.path(), &all("plane", &["--islands=0"]));
+    assert_refused(&none, 2, &["power of two"]);
     fs::write(folder.path().join("file"), "").unwrap();
     let output = amontons(folder.path(), &all("file", &[]));
     assert_refused(&output, 1, &["file"]);

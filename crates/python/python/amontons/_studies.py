@@ -169,6 +169,7 @@ def basin(
     x: tuple[str, ArrayLike],
     y: tuple[str, ArrayLike],
     *,
+    islands: int | None = None,
     every_point: bool = False,
     of: str | None = None,
     window: float | None = None,
@@ -183,8 +184,11 @@ def basin(
     ----------
     x, y : tuple of str and array-like
         The initial value along each axis: its name, such as ``module[1].v2``, and ascending values.
+    islands : int, optional
+        Width and height, in points, of the islands that are found wherever they lie: a power of two; by default 8, and
+        fewer along an axis of less than 49 points. Points that show where basins meet are run, and the others filled in.
     every_point : bool
-        Run every point; otherwise points between which basins meet are run, and the others filled in.
+        Run every point.
     of, window, interval, longest, executor, progress
         As in `limit_cycles`.
 
@@ -203,6 +207,7 @@ def basin(
         "study": "basin",
         "x": [x[0], axes[x[0]].tolist()],
         "y": [y[0], axes[y[0]].tolist()],
+        "islands": None if islands is None else int(islands),
         "every_point": bool(every_point),
         **_observation(of, window, interval, longest),
     }

@@ -2,7 +2,7 @@
 
 use amontons::Error;
 use amontons_analysis::sweep::range::{self, assignment, ends};
-use amontons_cli::arguments::{Format, Values, named_grid, named_steps, steps};
+use amontons_cli::arguments::{Format, Values, islands, named_grid, named_steps, steps};
 use amontons_cli::shards::ShardArguments;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -148,6 +148,10 @@ pub struct Map {
     /// Parameter along y with its values from A to B, in steps of STEP or as N values
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
     pub y: (String, Values),
+    /// Compute only the verdicts that show where verdicts change, and find islands of N by N points wherever they lie;
+    /// other points are filled in [default: every point is computed]
+    #[arg(long, value_name = "N", value_parser = islands)]
+    pub islands: Option<usize>,
     /// Print every point as CSV instead of the number of points with each verdict
     #[arg(long)]
     pub csv: bool,

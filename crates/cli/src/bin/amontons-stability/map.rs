@@ -7,7 +7,7 @@ use amontons::model::Contact;
 use amontons_analysis::assign::assign;
 use amontons_analysis::journal::Journal;
 use amontons_analysis::output::AtomicFile;
-use amontons_analysis::stability::map::{Verdict, map};
+use amontons_analysis::stability::map::{Map as Found, Verdict, map};
 use amontons_analysis::stability::{Linearised, MAX_CONTACTS};
 use amontons_analysis::sweep::axis;
 use amontons_analysis::sweep::range::MAX_VALUES;
@@ -70,18 +70,21 @@ pub fn run(arguments: &MapArguments, out: &mut dyn Write) -> Result<(), Failure>
         assign(&mut scene, y_name, y[row])?;
         Ok(scene)
     };
-    let work =
-        |journal: &Journal, watch: Watch<'_>| map(x.len(), y.len(), &scene_at, journal, watch);
+    let islands = arguments.islands.map(|side| [side; 2]);
+    let work = |journal: &Journal, watch: Watch<'_>| {
+        map([x.len(), y.len()], islands, &scene_at, journal, watch)
+    };
     let folder = folder(arguments)?;
-    let found = if let Some(folder) = folder {
-        let settings = json!({ "at": given.at, "x": [x_name, x], "y": [y_name, y] });
+    let Found { verdicts: found, filled_in } = if let Some(folder) = folder {
+        let settings =
+            json!({ "at": given.at, "x": [x_name, x], "y": [y_name, y], "islands": islands });
         let (set, shared) = (&arguments.common.set, arguments.shared);
         let study = identity("map", (scene, &given.source), set, settings);
         let mut pieces = Pieces::open(folder, Program::Stability, shared, &study, false)?;
         let Some(found) = pieces.found("the map", work)? else { return Ok(()) };
         let path = folder.join("results.csv");
         let mut file = AtomicFile::create(&path)?;
-        write_points(&mut file, [(x_name, x), (y_name, y)], &found)
+        write_points(&mut file, [(x_name, x), (y_name, y)], &found.verdicts)
             .map_err(|error| Error::file(&path, &error))?;
         file.complete()?;
         found
@@ -90,6 +93,12 @@ pub fn run(arguments: &MapArguments, out: &mut dyn Write) -> Result<(), Failure>
         let found = watched(&bar, |watch| work(&Journal::forgotten(), watch))?;
         found.ok_or_else(|| Failure::Unfinished(Box::new(Interrupted)))?
     };
+    if let (Some([columns, rows]), 1..) = (islands, filled_in) {
+        eprintln!(
+            "note: {filled_in} of {points} verdicts were not computed but filled in; an island of less than {columns} \
+             by {rows} points can be missed, which a smaller --islands or a map without it finds"
+        );
+    }
     let share = |verdict: Verdict| found.iter().flatten().filter(|v| **v == verdict).count();
     if arguments.csv && folder.is_none() {
         write_points(out, [(x_name, x), (y_name, y)], &found)?;

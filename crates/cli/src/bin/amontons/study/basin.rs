@@ -5,11 +5,12 @@ use super::attractor::{self, number};
 use super::folder::Folder;
 use super::{heading, prepared_with};
 use amontons::scene::Scene;
+use amontons_analysis::regions::usual_islands;
 use amontons_analysis::study::basin::{
     Axis, Basin as Found, Cell, Coverage, SHORT_WINDOWS, basin, check_points,
 };
 use amontons_analysis::study::{ObservationSettings, initial_value};
-use amontons_cli::arguments::{Values, named_grid};
+use amontons_cli::arguments::{Values, islands, named_grid};
 use amontons_cli::charts::attractor::{unit_of, words};
 use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
@@ -33,14 +34,17 @@ pub struct Basin {
     /// Initial value on the vertical axis, from A to B in steps of STEP or as N values
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
     y: (String, Values),
-    /// Run every point; otherwise the study runs every fourth point along both axes and the points near basin
-    /// boundaries, and fills in the others
-    #[arg(long)]
+    /// Find islands of N by N points wherever they lie, and run the points that show where basins meet; others are
+    /// filled in. At least one point in N² is run [default: 8, and fewer along an axis of less than 49 points]
+    #[arg(long, value_name = "N", value_parser = islands)]
+    islands: Option<usize>,
+    /// Run every point
+    #[arg(long, conflicts_with = "islands")]
     every_point: bool,
 }
 
 pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
-    let Basin { common, shared, options, x, y, every_point } = arguments;
+    let Basin { common, shared, options, x, y, islands, every_point } = arguments;
     let (scene, source, observation) = prepared_with(common, options, |_, _| {})?;
     let axis = |(name, values): &(String, Values)| {
         Ok::<_, amontons::Error>(Axis {
@@ -55,8 +59,10 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
             eprintln!("note: {} takes the values of its axis, not that of --set", axis.name);
         }
     }
-    let coverage = if *every_point { Coverage::EveryPoint } else { Coverage::Traced };
-    let settings = json!({ "x": x, "y": y, "look": observation, "every_point": every_point });
+    let usual = usual_islands([&x, &y].map(|axis| axis.values.len()));
+    let islands = (!every_point).then(|| islands.map_or(usual, |side| [side; 2]));
+    let coverage = islands.map_or(Coverage::EveryPoint, Coverage::Traced);
+    let settings = json!({ "x": x, "y": y, "look": observation, "islands": islands });
     let mut folder = Folder::open_shared(common, *shared, "basin", (&scene, &source), settings)?;
     let found = folder
         .found(|journal, watch| basin(&scene, [&x, &y], &observation, coverage, journal, watch))?;
@@ -82,6 +88,12 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
     let points = json!({ "run": run, "filled_in": filled_in });
     folder.write_json(json!({ "attractors": found.attractors, "points": points }))?;
     print(&scene, [&x, &y], &observation, &found);
+    if let (Some([columns, rows]), 1..) = (islands, filled_in) {
+        say!(
+            "{filled_in} points were not run but filled in; an island of less than {columns} by {rows} points can be \
+             missed, which a smaller --islands or --every-point finds"
+        );
+    }
     let map = map(&scene, [&x, &y], &observation, &found);
     map.write(&folder.picture("basin"))?;
     say!("\nresults and pictures are in {}", folder.path().display());
@@ -123,13 +135,6 @@ fn print(scene: &Scene, [x, y]: [&Axis; 2], observation: &ObservationSettings, f
         count(found, |cell| cell.run),
         observation.window / f64::from(SHORT_WINDOWS)
     );
-    let filled_in = count(found, |cell| !cell.run);
-    if filled_in > 0 {
-        say!(
-            "{filled_in} points were not run but filled in, because all points around each that were run end in the \
-             same attractor; --every-point runs them"
-        );
-    }
     if let Some(failure) = found.rows.iter().flatten().find_map(|cell| cell.failure.as_ref()) {
         eprintln!("note: the first failed run: {failure}");
     }
