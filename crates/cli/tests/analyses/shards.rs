@@ -54,6 +54,7 @@ const BASIN: Shared = Shared {
         "--step=2e-5",
         "--x=module[1].v2=-0.3:0.3/11",
         "--y=module[2].v2=-0.3:0.3/12",
+        "--islands=4",
     ],
     merge: &["study", "merge", "out"],
 };
@@ -81,6 +82,18 @@ const MAP: Shared = Shared {
         "--plot=map.svg",
     ],
     merge: &["merge", "out"],
+};
+
+const TRACED_MAP: Shared = Shared {
+    arguments: &[
+        "map",
+        "set2",
+        "--x=friction.coefficient=0.2:2/41",
+        "--y=slider.angle=-0.2:0.2/30",
+        "--islands=4",
+        "--plot=map.svg",
+    ],
+    ..MAP
 };
 
 type Files = BTreeMap<String, Vec<u8>>;
@@ -201,7 +214,7 @@ fn workers_that_share_a_perturbation_study_have_the_bytes_of_one_machine() {
 
 #[test]
 fn workers_that_share_a_basin_have_the_bytes_of_one_machine() {
-    BASIN.assert_shared(&["basin.svg", "results.csv", "study.json"], 4..=4);
+    BASIN.assert_shared(&["basin.svg", "results.csv", "study.json"], 3..=6);
 }
 
 #[test]
@@ -212,6 +225,11 @@ fn workers_that_share_a_sweep_have_the_bytes_of_one_machine() {
 #[test]
 fn workers_that_share_a_map_have_the_bytes_of_one_machine() {
     MAP.assert_shared(&["map.svg", "results.csv"], 1..=1);
+}
+
+#[test]
+fn workers_that_share_a_traced_map_have_the_bytes_of_one_machine() {
+    TRACED_MAP.assert_shared(&["map.svg", "results.csv"], 2..=6);
 }
 
 #[test]
