@@ -68,7 +68,6 @@ fn pytest(file: &str) {
         .env("PYTHONPATH", package())
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("AMONTONS_PROGRAMS", program("amontons").parent().expect("it is in a folder"))
-        .env("MPLBACKEND", "Agg")
         // Packages may bring plugins of their own.
         .env("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
         .env_remove("PYTEST_ADDOPTS");
