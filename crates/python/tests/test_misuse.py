@@ -141,6 +141,8 @@ MISUSES = {
         (lambda s: s.limit_cycles("slider.velocity", [0.1], window=NAN), ArgumentError),
         (lambda s: s.limit_cycles("slider.velocity", [0.1], window=1e300), ArgumentError),
         (lambda s: s.limit_cycles("slider.velocity", [0.1], longest=-1.0), ArgumentError),
+        (lambda s: s.basin(("module[1].x1", [0, 1]), ("module[1].v1", [0, 1]), islands=3), ArgumentError),
+        (lambda s: s.basin(("module[1].x1", [0, 1]), ("module[1].v1", [0, 1]), islands=-2), ArgumentError),
         (lambda s: s.perturbations("x9", [0.1]), ArgumentError),
         (lambda s: s.perturbations("module[1].v1", [0.2, 0.1]), ArgumentError),
         (lambda s: s.basin(("module[1].v1", [0.0]), ("module[1].v1", [0.0])), ArgumentError),

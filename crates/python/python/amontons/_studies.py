@@ -207,7 +207,7 @@ def basin(
         "study": "basin",
         "x": [x[0], axes[x[0]].tolist()],
         "y": [y[0], axes[y[0]].tolist()],
-        "islands": None if islands is None else int(islands),
+        "islands": None if islands is None else _power_of_two(islands, "islands"),
         "every_point": bool(every_point),
         **_observation(of, window, interval, longest),
     }
@@ -484,6 +484,13 @@ def _observation(
     settings = {"window": window, "interval": interval, "longest": longest}
     times = {name: None if value is None else _above_zero(value, name) for name, value in settings.items()}
     return {"of": of, **times}
+
+
+def _power_of_two(value: int, name: str) -> int:
+    number = int(value)
+    if number != value or number < 1 or number & (number - 1) or number > 2**20:
+        raise ArgumentError(f"{name} = {value!r} is impossible; give a power of two: 1, 2, 4, 8, …")
+    return number
 
 
 def _above_zero(value: float, name: str) -> float:
