@@ -49,3 +49,10 @@ def fails_once(marker, batch):
 def end_process():
     """Kills the process that calls it."""
     os._exit(9)
+
+
+def dies_at_one(scene):
+    """The friction coefficient; each process that asks for 1.0 dies."""
+    if scene["friction.coefficient"] == 1.0:
+        os._exit(9)
+    return scene["friction.coefficient"]

@@ -156,6 +156,36 @@ def test_a_pool_that_loses_a_worker_finishes_with_a_warning(set1, tmp_path, monk
     assert not found["failure"].values.any()
 
 
+def test_a_point_that_ends_each_process_is_a_row_with_this_reason(set1):
+    with spawning() as executor, pytest.warns(UserWarning, match="takes no more work"):
+        found = amontons.sweep(set1, {MU: np.linspace(0.0, 2.0, 9)}, of=evaluations.dies_at_one, executor=executor)
+    reasons = found["failure"].values.tolist()
+    assert reasons == [""] * 4 + ["the process that evaluated it ended each time"] + [""] * 4
+    assert found["value"].values.tolist()[:4] == [0.0, 0.25, 0.5, 0.75]
+
+
+class KilledWorker(Exception):
+    """What Dask raises for a task that has ended several workers."""
+
+
+def test_a_point_that_dask_gives_up_is_a_row_with_this_reason(set1):
+    class Killing(AtOnce):
+        """Ends a worker with each task that has a point at 1.0."""
+
+        def submit(self, function, work, common, batch, attempt):
+            if any(point == (1.0,) for _, point in batch):
+                future = Future()
+                future.set_exception(KilledWorker())
+                return future
+            return super().submit(function, work, common, batch, attempt)
+
+    # Tasks with several points are among these.
+    values = np.linspace(0.0, 2.0, 129)
+    found = amontons.sweep(set1, {MU: values}, of=evaluations.friction, executor=Killing())
+    lost = found["failure"].values != ""
+    assert values[lost].tolist() == [1.0] and found["value"].values[~lost].tolist() == values[values != 1.0].tolist()
+
+
 def test_a_point_that_fails_is_a_row_with_its_reason(set1):
     for executor in (None, AtOnce()):
         found = amontons.sweep(set1, {MU: [-1.0, 0.5, 1.5]}, of=evaluations.fails_above_one, executor=executor)
@@ -217,7 +247,7 @@ def test_results_of_functions_keep_their_values(set1, kind):
     ("result", "reason"),
     [
         ([1, 2], r"the function gives value = \[1, 2\], which is neither a number nor a text"),
-        (np.zeros(2), "ValueError: can only convert an array of size 1"),
+        (np.zeros(2), "the function gives value = array"),
         ({MU: 1.0}, "the function gives friction.coefficient, which is the name of a parameter"),
     ],
 )

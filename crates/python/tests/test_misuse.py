@@ -147,7 +147,7 @@ MISUSES = {
         (lambda s: s.perturbations("module[1].v1", [0.2, 0.1]), ArgumentError),
         (lambda s: s.basin(("module[1].v1", [0.0]), ("module[1].v1", [0.0])), ArgumentError),
         (lambda s: s.basin(("x9", [0.0]), ("module[1].v1", [0.0])), ArgumentError),
-        (lambda s: s.basin(3, 4), TypeError),
+        (lambda s: s.basin(3, 4), ArgumentError),
         (lambda s: s.continuation([1.0]), ArgumentError),
         (lambda s: s.continuation([1.0, 2.0], resolution=INF), ArgumentError),
         (lambda s: s.orbit("walk"), ArgumentError),

@@ -146,3 +146,44 @@ def test_tables_can_be_written_to_a_file(set1, tmp_path):
 def test_a_missing_file_is_an_oserror(tmp_path):
     with pytest.raises(OSError):
         amontons.Scene.read(tmp_path / "none.toml")
+
+
+def test_a_point_without_an_equilibrium_in_sliding_has_no_growth_rate():
+    text = """
+[slider]
+velocity = 0.1
+angle = 0.0
+[friction]
+coefficient = 0.4
+[[mass]]
+name = "pad"
+mass = 2.0
+force = [0.0, -50.0]
+[[spring]]
+name = "k"
+between = ["pad", "ground"]
+direction = "x"
+stiffness = 100.0
+[[contact]]
+name = "c"
+mass = "pad"
+[integrator]
+step = 1e-5
+"""
+    scene = amontons.Scene.from_toml(text)
+    with pytest.warns(UserWarning, match="1 of 2 points have no result"):
+        found = amontons.sweep(scene, {"slider.angle": [0.0, 3.0]})
+    # Turned upside down, the load pulls the pad off.
+    assert found["growth_rate"].notnull().values.tolist() == [True, False]
+    assert "opens" in str(found["failure"].values[1])
+
+
+def test_an_output_has_no_value_in_a_scene(set1):
+    with pytest.raises(amontons.ArgumentError, match="is an output"):
+        set1["module[1].v2"]
+
+
+def test_numbers_of_contact_states_have_their_names(set1):
+    run = set1.simulate(0.001, outputs=["contact[1].state"])
+    meanings = dict(zip(run["contact[1].state"].flag_values.tolist(), run["contact[1].state"].flag_meanings.split()))
+    assert meanings[int(run["contact[1].state"][-1])] == "Sl" and meanings[4] == "Dt"

@@ -181,11 +181,13 @@ class _Tasks:
                     raise ArgumentError(
                         f"the work cannot be sent to another process: {error}; a function must be in a module of its own"
                     ) from error
-                if attempt < ATTEMPTS:
+                # Dask has tried such a task again already.
+                is_killed = type(error).__name__ == "KilledWorker"
+                if attempt < ATTEMPTS and not (is_killed and len(batch) == 1):
                     # Items that have done nothing are parted from one that ends its workers.
                     for item in batch:
                         self.submit([item], attempt + 1)
-                elif isinstance(error, BrokenExecutor):
+                elif is_killed or isinstance(error, BrokenExecutor):
                     return batch, (TASK_SECONDS, None)
                 else:
                     raise RuntimeError(f"a task failed {ATTEMPTS} times: {error}") from error

@@ -244,8 +244,14 @@ class Scene:
         return self._core.contact_names
 
     def __getitem__(self, name: str) -> float:
-        """The value of a parameter, an input or a signal."""
-        return self._core.value(name)
+        """The value of a parameter, an input, an initial value or a signal."""
+        try:
+            return self._core.value(name)
+        except Error:
+            known = self.variables.get(name)
+            if known is None or known.causality != "output":
+                raise
+        raise ArgumentError(f"{name} is an output, which a scene has no value of; simulate() and start() give it")
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.hash == other.hash
@@ -347,8 +353,13 @@ class Scene:
         for doubt in doubts:
             warnings.warn(doubt, stacklevel=2)
         units = self._units()
+        kinds = {name: variable.type for name, variable in self.variables.items()}
         variables = {
-            name: (("time",), values.astype("int32") if is_whole else values, {"units": units[name]})
+            name: (
+                ("time",),
+                values.astype("int32") if is_whole else values,
+                _contact_states() if kinds[name] == "Enumeration" else {"units": units[name]},
+            )
             for name, values, is_whole in columns
         }
         method, step = self._core.pace()
@@ -379,7 +390,7 @@ class Scene:
         Returns
         -------
         ndarray of complex
-            λ in 1/s: first those that oscillate, one of each conjugate pair (Im λ > 0), by frequency; then the real
+            λ in 1/s, also where there is no equilibrium in sliding if µ is constant: first those that oscillate, one of each conjugate pair (Im λ > 0), by frequency; then the real
             ones. A positive real part grows.
         """
         return _core.eigenvalues(self._core, state, friction, self._instant(at))
@@ -547,6 +558,9 @@ class Scene:
     ) -> str:
         """Writes the scene as an FMI 2.0 co-simulation FMU.
 
+        The FMU has the values of the scene file. A scene whose values `with_values` has changed is refused: importers set
+        values themselves, and the file can have others.
+
         Parameters
         ----------
         path : path-like, optional
@@ -583,6 +597,13 @@ class Drawing:
 
     def _repr_svg_(self) -> str:
         return self.svg
+
+
+def _contact_states() -> dict[str, Any]:
+    """Attributes of a contact state: the numbers and their names."""
+    import numpy as np
+
+    return {"flag_values": np.array([1, 2, 3, 4], dtype="int32"), "flag_meanings": "Sl R-Sl St Dt"}
 
 
 def _crossings(found: Iterable[tuple[float, int, float, bool]]) -> list[dict[str, Any]]:
@@ -630,7 +651,10 @@ def _ascending(values: ArrayLike, name: str) -> NDArray[np.float64]:
     """The values of a parameter along an axis."""
     import numpy as np
 
-    array = np.atleast_1d(np.asarray(values, dtype=float))
+    try:
+        array = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise ArgumentError(f"the values of {name} must be numbers, not {values!r}") from None
     if array.ndim != 1:
         raise ArgumentError(f"the values of {name} must be a list of numbers, not an array of shape {array.shape}")
     if len(array) == 0:

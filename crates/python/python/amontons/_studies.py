@@ -42,6 +42,9 @@ def limit_cycles(
 ) -> Table:
     """The motion that the scene settles into with each value of a parameter, and where it changes.
 
+    Runs are exact from event to event where the scene allows it, whatever its file says, unless `Scene.with_integrator` has
+    chosen otherwise; the attributes ``integrator`` and ``step`` (s) tell.
+
     Parameters
     ----------
     parameter : str
@@ -63,7 +66,8 @@ def limit_cycles(
     Returns
     -------
     xarray.Dataset or dict
-        Over the parameter: ``kind``; ``amplitude`` of the output; ``frequency`` (Hz) of its strongest line; ``period`` (s),
+        Over the parameter: ``kind``; ``amplitude`` of the output, half of the distance between its largest and smallest
+        value; ``frequency`` (Hz) of its strongest line; ``period`` (s),
         after which the whole state returns, and ``closure``, how nearly, in parts of the motion's size; ``time`` (s) until
         it had settled; shares of time in contact states; ``failure``, the reason why there is no motion.
         Over ``threshold``: ``threshold_low`` and ``threshold_high``, values between which the motion changes, and
@@ -85,9 +89,7 @@ def limit_cycles(
     variables = columns(rows, parameter)
     units = scene._units()
     unit = units.get(found["look"]["of"], "1")
-    for name, its in {"amplitude": unit, "frequency": "Hz", "period": "s", "time": "s"}.items():
-        if name in variables:
-            variables[name][2]["units"] = its
+    _give_units(variables, unit)
     thresholds = [
         {
             "low": threshold["between"][0],
@@ -154,6 +156,7 @@ def perturbations(
         rows.append({"attractor": attractor, **_outcome(outcome)})
     variables = columns(rows, initial)
     variables.update(_attractors(result["attractors"]))
+    _give_units(variables, scene._units().get(found["look"]["of"], "1"))
     thresholds = [
         dict(zip(("low", "high", "below", "above"), (*threshold["between"], *threshold["attractors"])))
         for threshold in result["thresholds"]
@@ -202,6 +205,8 @@ def basin(
 
     from ._scene import _ascending
 
+    if not all(isinstance(axis, (tuple, list)) and len(axis) == 2 for axis in (x, y)):
+        raise ArgumentError("x and y are an initial value and its values each, such as ('module[1].v2', [0.0, 0.1])")
     axes = {name: _ascending(values, name) for name, values in (x, y)}
     request = {
         "study": "basin",
@@ -223,6 +228,7 @@ def basin(
         "failure": (dimensions, np.array(failure, dtype=np.str_), {}),
     }
     variables.update(_attractors(found["result"]["attractors"]))
+    _give_units(variables, scene._units().get(found["look"]["of"], "1"))
     coordinates: dict[str, Column] = {
         name: ((name,), values, {"units": _initial_unit(name)}) for name, values in axes.items()
     }
@@ -406,6 +412,14 @@ def _attractors(endings: Sequence[dict[str, Any]]) -> dict[str, Column]:
     return columns([{key: row[key] for key in keys} for row in rows], "number", "attractor_")
 
 
+def _give_units(variables: dict[str, Column], unit: str) -> None:
+    """Gives the quantities of motions their units; `unit` is that of the output."""
+    for name, its in {"amplitude": unit, "frequency": "Hz", "period": "s", "time": "s"}.items():
+        for known in (name, f"attractor_{name}"):
+            if known in variables:
+                variables[known][2]["units"] = its
+
+
 def _initial_unit(name: str) -> str:
     """The unit of an initial value, whose name ends as that of a velocity or of a displacement."""
     return "m/s" if name.rpartition(".")[2].startswith("v") else "m"
@@ -488,7 +502,7 @@ def _observation(
 
 def _power_of_two(value: int, name: str) -> int:
     number = int(value)
-    if number != value or number < 1 or number & (number - 1) or number > 2**20:
+    if isinstance(value, bool) or number != value or number < 1 or number & (number - 1) or number > 2**20:
         raise ArgumentError(f"{name} = {value!r} is impossible; give a power of two: 1, 2, 4, 8, …")
     return number
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import tau
@@ -44,7 +45,8 @@ def sweep(
         What is evaluated:
 
         ``"growth"``
-            ``growth_rate`` (1/s) and ``frequency`` (Hz) of the fastest growing mode of uniform sliding;
+            ``growth_rate`` (1/s) and ``frequency`` (Hz) of the fastest growing mode of uniform sliding; a point without an
+            equilibrium in sliding fails;
         ``"verdict"``
             the verdict on uniform sliding, as `Scene.verdict` gives it;
         ``"motion"``
@@ -100,6 +102,11 @@ def sweep(
         for batch, found in carry_out(_evaluated, common, items, executor, report):
             places = batch if executor is None else [place for place, _ in batch]
             rows.update(zip(places, found or [{"failure": _LOST}] * len(batch)))
+    failed = sum(bool(row["failure"]) for row in rows.values())
+    if failed == len(points):
+        raise Error(f"no point of the sweep has a result; the first one: {rows[0]['failure']}")
+    if failed:
+        warnings.warn(f"{failed} of {len(points)} points have no result; `failure` has the reasons", stacklevel=2)
     shape = tuple(len(values) for values in axes.values())
     flat = columns([rows[place] for place in range(len(points))], "point")
     units = scene._units()
@@ -112,8 +119,6 @@ def sweep(
     coordinates = {
         name: ((name,), values, {"units": units.get(name, "1")}) for name, values in axes.items()
     }
-    if len(variables) == 1:
-        raise Error(f"no point of the sweep has a result; the first one: {rows[0]['failure']}")
     described = of if isinstance(of, str) else getattr(of, "__qualname__", repr(of))
     return table(variables, coordinates, scene._attributes(of=described, **({"at": scene._instant(at)} if of in _AT_INSTANT else {})))
 
@@ -130,7 +135,7 @@ def _row(scene: Scene, values: dict[str, float], evaluate: Callable[[Scene], Any
         found = evaluate(scene.with_values(values))
         if not isinstance(found, Mapping):
             found = {"value": found}
-        plain = {str(key): value.item() if hasattr(value, "item") else value for key, value in found.items()}
+        plain = {str(key): _plain(value) for key, value in found.items()}
     except Exception as error:
         return {"failure": f"{error}" if isinstance(error, Error) else f"{type(error).__name__}: {error}"}
     for key, value in plain.items():
@@ -141,7 +146,14 @@ def _row(scene: Scene, values: dict[str, float], evaluate: Callable[[Scene], Any
     return {**plain, "failure": plain.get("failure", "")}
 
 
+def _plain(value: Any) -> Any:
+    """A number of NumPy as Python's; anything else as it is."""
+    return value.item() if getattr(value, "size", 0) == 1 and hasattr(value, "item") else value
+
+
 def _growth(scene: Scene, at: float) -> dict[str, float]:
+    # A law of friction that is constant has eigenvalues also where nothing can slide.
+    scene.equilibrium(at=at)
     fastest = max(scene.eigenvalues(at=at).tolist(), key=lambda value: value.real)
     return {"growth_rate": fastest.real, "frequency": abs(fastest.imag) / tau}
 
