@@ -187,3 +187,21 @@ def test_numbers_of_contact_states_have_their_names(set1):
     run = set1.simulate(0.001, outputs=["contact[1].state"])
     meanings = dict(zip(run["contact[1].state"].flag_values.tolist(), run["contact[1].state"].flag_meanings.split()))
     assert meanings[int(run["contact[1].state"][-1])] == "Sl" and meanings[4] == "Dt"
+
+
+def test_a_branch_has_points_and_a_start_without_one_its_reason():
+    scene = amontons.Scene.builtin("set2")
+    found = scene.branches("friction.coefficient", 2.0, 2.02, [("mode", 4), ("mode", 99)], points=3)
+    assert len(found["branches"]) == 2 and "failure" in found["branches"][1]
+    assert "rest" in found and "look" in found
+
+
+def test_thresholds_and_crossings_have_units(set1):
+    slip = amontons.Scene.builtin("stick_slip")
+    text = slip.text + "\n[damping]\nalpha = 0.3\n"
+    found = amontons.Scene.from_toml(text).perturbations(
+        "mass.block.vx", [0.0, 0.3], resolution=0.5, longest=60.0, window=10.0
+    )
+    assert found["threshold_low"].attrs["units"] == "m/s" and found["attractor_amplitude"].attrs["units"] == "m"
+    locus = set1.locus("friction.coefficient", [1.0, 1.5])
+    assert locus["crossing_frequency"].attrs["units"] == "Hz"

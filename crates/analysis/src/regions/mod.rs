@@ -4,14 +4,13 @@
 //! one of them. Their distances are powers of two, and are halved until every column and row is a line. New points lie
 //! between pairs of known ones: those midway along both axes along diagonals, then the others in rows and columns. Where
 //! a pair is of one class and no other pair is of another, the point is filled in with that class; otherwise it is
-//! found. A straight boundary so costs few points, and its picture is exact.
+//! found.
 //!
-//! Where the boundary bends, at a corner, a tip or a narrow tongue, all points around are found. There a point has more
-//! pairs of points around it, on opposite sides of it, of which both are of another class than of which both are of its
-//! own. Beside a straight boundary no pair is without a point of its class.
+//! Then every point is found that is filled in and has a neighbour of another class, until there is none. So a connected
+//! region is exact if any point of it was found: were another point of it filled in wrongly, then somewhere between the
+//! two a wrong point would be beside a right one, and would have been found.
 
 use amontons::Error;
-use std::collections::BTreeSet;
 
 /// The class of a point of the plane, if it was found: one, or none, which no other point is filled in with.
 pub(crate) type Found<T> = Option<Option<T>>;
@@ -22,9 +21,6 @@ type Finder<'a, T> = &'a mut dyn FnMut(&[usize]) -> Result<Option<Vec<Found<T>>>
 /// New points, by the number of axes along which they lie midway between lines, and the directions to one line of each
 /// pair that they lie between; the other one is opposite.
 const TURNS: [(usize, [[isize; 2]; 2]); 2] = [(2, [[1, 1], [1, -1]]), (1, [[1, 0], [0, 1]])];
-
-/// Points on either side of a point by which a bend is told.
-const AROUND: isize = 2;
 
 /// Width and height, in points, of the islands that are found wherever they lie, unless others are asked for: eight,
 /// and fewer along an axis that would have less than six of them side by side.
@@ -76,7 +72,7 @@ pub(crate) fn trace<T: Copy + PartialEq>(
         known = finer;
     }
     loop {
-        let wanted = plane.around_bends();
+        let wanted = plane.beside_boundaries();
         if wanted.is_empty() {
             let filled =
                 |place: usize| plane.found[place].is_none().then(|| plane.class(place)).flatten();
@@ -187,45 +183,15 @@ impl<T: Copy + PartialEq> Plane<'_, T> {
         (column < columns && row < rows).then_some(row * columns + column)
     }
 
-    /// As [`beside`](Self::beside), with the plane mirrored at its borders: a corner of it has points around it too.
-    fn mirrored(&self, place: usize, [right, up]: [isize; 2]) -> usize {
-        let [columns, rows] = self.size;
-        let fold = |at: usize, step: isize, count: usize| {
-            let folded = at.checked_add_signed(step).unwrap_or(step.unsigned_abs() - at);
-            let last = count - 1;
-            if folded > last { (2 * last).saturating_sub(folded) } else { folded }
+    /// The places of the points that were not found and have a neighbour of another class.
+    fn beside_boundaries(&self) -> Vec<usize> {
+        let has_other = |place: usize| {
+            let mut beside = [[1, 0], [-1, 0], [0, 1], [0, -1]].into_iter();
+            beside.any(|step| {
+                self.beside(place, step).is_some_and(|at| self.class(at) != self.class(place))
+            })
         };
-        fold(place / columns, up, rows) * columns + fold(place % columns, right, columns)
-    }
-
-    /// The places of the points at and around bends of boundaries that were not found.
-    fn around_bends(&self) -> Vec<usize> {
-        let bends = (0..self.found.len()).filter(|place| self.is_bend(*place));
-        let around = bends.flat_map(|place| {
-            let steps = (-1..=1).flat_map(|up| (-1..=1).map(move |right| [right, up]));
-            steps.filter_map(move |step| self.beside(place, step))
-        });
-        let unknown: BTreeSet<usize> = around.filter(|at| self.found[*at].is_none()).collect();
-        unknown.into_iter().collect()
-    }
-
-    /// `true` if more of the pairs around a point are of other classes than its own than are of its own.
-    fn is_bend(&self, place: usize) -> bool {
-        let own = self.class(place);
-        let is_own = |step| self.class(self.mirrored(place, step)) == own;
-        let mut balance = 0;
-        for up in 0..=AROUND {
-            for right in -AROUND..=AROUND {
-                if up > 0 || right > 0 {
-                    balance += match (is_own([right, up]), is_own([-right, -up])) {
-                        (true, true) => 1,
-                        (false, false) => -1,
-                        _ => 0,
-                    };
-                }
-            }
-        }
-        balance < 0
+        (0..self.found.len()).filter(|&at| self.found[at].is_none() && has_other(at)).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Made-up planes: the picture, and the number of points that it takes.
 
 use super::*;
+use std::collections::BTreeSet;
 
 /// The class of a point, by its column and row.
 type Classes<'a> = &'a dyn Fn([usize; 2]) -> Option<usize>;
@@ -38,15 +39,6 @@ fn wrong(traced: &[Option<usize>], size: [usize; 2], class: Classes<'_>) -> Vec<
     both.filter(|(at, traced)| class(*at) != **traced).map(|(at, _)| at).collect()
 }
 
-/// `true` if a point has a neighbour of another class.
-fn is_beside_another(class: Classes<'_>, [column, row]: [usize; 2]) -> bool {
-    let beside = |[right, up]: [isize; 2]| {
-        Some([column.checked_add_signed(right)?, row.checked_add_signed(up)?])
-    };
-    let sides = [[1, 0], [-1, 0], [0, 1], [0, -1]];
-    sides.into_iter().filter_map(beside).any(|at| class(at) != class([column, row]))
-}
-
 const SIZE: [usize; 2] = [121, 113];
 
 #[test]
@@ -65,13 +57,13 @@ fn half_planes_are_exact_by_a_few_points_in_a_hundred() {
             }
             let (found, picture) = traced(SIZE, [8, 8], &class);
             assert!(picture == all(SIZE, &class), "{degrees} {shift}");
-            assert!(found.len() * 1000 < 35 * SIZE[0] * SIZE[1], "{} {degrees}", found.len());
+            assert!(found.len() * 1000 < 55 * SIZE[0] * SIZE[1], "{} {degrees}", found.len());
         }
     }
 }
 
 #[test]
-fn a_disc_in_a_ring_is_off_by_a_point_or_two_beside_its_boundary() {
+fn a_disc_in_a_ring_is_exact() {
     for (x, y) in [(60.0, 55.0), (60.3, 55.9), (58.1, 54.4)] {
         let class = |[column, row]: [usize; 2]| {
             let radius = f64::hypot(column as f64 - x, row as f64 - y);
@@ -79,9 +71,40 @@ fn a_disc_in_a_ring_is_off_by_a_point_or_two_beside_its_boundary() {
         };
         let (found, picture) = traced(SIZE, [8, 8], &class);
         let wrong = wrong(&picture, SIZE, &class);
-        assert!(wrong.len() <= 4, "{wrong:?}");
-        assert!(wrong.iter().all(|at| is_beside_another(&class, *at)), "{wrong:?}");
-        assert!(found.len() * 1000 < 55 * SIZE[0] * SIZE[1], "{}", found.len());
+        assert!(wrong.is_empty(), "{wrong:?}");
+        assert!(found.len() * 1000 < 90 * SIZE[0] * SIZE[1], "{}", found.len());
+    }
+}
+
+/// Straight edges of a rectangle once had notches, one point deep and some points long: bends of the boundary were looked
+/// for in the picture, and the notch was straight enough to hide its own.
+#[test]
+fn rectangles_and_ellipses_of_any_size_and_place_are_exact() {
+    for number in 0..400_u32 {
+        // Numbers without a pattern.
+        let part = |step: f64| (f64::from(number) * step).fract();
+        let size = [0.618, 0.414].map(|step| 50 + (50.0 * part(step)) as usize);
+        let sides = [0.732, 0.236].map(|step| 8 + (14.0 * part(step)) as usize);
+        let begin = [0, 1].map(|axis| {
+            let room = size[axis] - sides[axis];
+            (room as f64 * part([0.303, 0.577][axis])) as usize
+        });
+        let is_in = |at: [usize; 2], axis: usize| {
+            (begin[axis]..begin[axis] + sides[axis]).contains(&at[axis])
+        };
+        let rectangle = |at: [usize; 2]| Some(usize::from(is_in(at, 0) && is_in(at, 1)));
+        let ellipse = |at: [usize; 2]| {
+            let (sin, cos) = (3.0 * part(0.707)).sin_cos();
+            let [x, y] = [0, 1].map(|axis| at[axis] as f64 - 0.5 * size[axis] as f64 - part(0.9));
+            let [along, across] = [x * cos + y * sin, y * cos - x * sin];
+            let [a, b] = [0.61, 0.43].map(|step| 6.0 + 18.0 * part(step));
+            Some(usize::from(f64::hypot(along / a, across / b) < 1.0))
+        };
+        for class in [&rectangle as Classes<'_>, &ellipse] {
+            let picture = traced(size, [8, 8], class).1;
+            let wrong = wrong(&picture, size, class);
+            assert!(wrong.is_empty(), "{number} {size:?} {wrong:?}");
+        }
     }
 }
 
@@ -103,14 +126,14 @@ fn an_island_of_four_points_is_found_wherever_it_lies_if_it_is_asked_for() {
 
 #[test]
 fn islands_are_found_wherever_they_lie() {
-    islands(&[1, 3, 4, 8]);
+    islands(&[1, 3, 4, 8, 16]);
 }
 
 /// Looks for islands of these sizes at every place.
 fn islands(sides: &[usize]) {
     let size = [25, 22];
     for &side in sides {
-        for (left, lower) in (0..25 - side).flat_map(|x| (0..22 - side).map(move |y| (x, y))) {
+        for (left, lower) in (0..=25 - side).flat_map(|x| (0..=22 - side).map(move |y| (x, y))) {
             let is_in = |place: usize, first: usize| (first..first + side).contains(&place);
             let class = |[column, row]: [usize; 2]| {
                 Some(usize::from(is_in(column, left) && is_in(row, lower)))

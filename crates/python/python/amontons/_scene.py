@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from . import _core, _studies
 from ._errors import ArgumentError, Error
 from ._progress import reporting
-from ._tables import columns, names_of, table
+from ._tables import columns, give_units, names_of, table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -444,7 +444,7 @@ class Scene:
         -------
         xarray.Dataset or dict
             Over ``mode`` (from 1, in the order at the first value) and the parameter: ``growth_rate`` (1/s) and
-            ``frequency`` (Hz).
+            ``frequency`` (Hz); where a mode has become two real eigenvalues, those of the larger one.
             Over ``crossing``, for each mode that begins or ceases to grow: ``crossing_value`` of the parameter,
             ``crossing_mode``, ``crossing_frequency`` (Hz), and ``crossing_begins``, True if it grows above that value.
             Over ``merging``, for each two modes that merge or part: ``merging_value``, ``merging_first`` and
@@ -471,9 +471,17 @@ class Scene:
             **columns(_crossings(found["crossings"]), "crossing", "crossing_"),
             **columns(_mergings(found["mergings"]), "merging", "merging_"),
         }
+        unit = self._units().get(parameter, "1")
+        units = {
+            "crossing_value": unit,
+            "merging_value": unit,
+            "crossing_frequency": "Hz",
+            "merging_frequency": "Hz",
+        }
+        give_units(variables, units)
         coordinates = {
             "mode": (("mode",), np.arange(1, len(eigenvalues) + 1), {}),
-            parameter: ((parameter,), values, {"units": self._units().get(parameter, "1")}),
+            parameter: ((parameter,), values, {"units": unit}),
             "undecided": (("undecided",), np.array(found["undecided"], dtype=float), {}),
         }
         attributes = self._attributes(state=state or "uniform sliding", at=instant)

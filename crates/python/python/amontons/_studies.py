@@ -12,7 +12,7 @@ from . import _core
 from ._errors import ArgumentError
 from ._executors import Executor, carry_out
 from ._progress import reporting
-from ._tables import columns, table
+from ._tables import columns, give_units, table
 
 if TYPE_CHECKING:
     import xarray
@@ -88,8 +88,6 @@ def limit_cycles(
     rows = [_outcome(outcome) for outcome in result["found"]["outcomes"]]
     variables = columns(rows, parameter)
     units = scene._units()
-    unit = units.get(found["look"]["of"], "1")
-    _give_units(variables, unit)
     thresholds = [
         {
             "low": threshold["between"][0],
@@ -99,6 +97,7 @@ def limit_cycles(
         for threshold in result["found"]["thresholds"]
     ]
     variables.update(columns(thresholds, "threshold", "threshold_"))
+    give_units(variables, _units(units.get(found["look"]["of"], "1"), units.get(parameter, "1")))
     coordinates = {parameter: ((parameter,), _array(result["values"]), {"units": units.get(parameter, "1")})}
     return table(variables, coordinates, _attributes(scene, found))
 
@@ -156,12 +155,12 @@ def perturbations(
         rows.append({"attractor": attractor, **_outcome(outcome)})
     variables = columns(rows, initial)
     variables.update(_attractors(result["attractors"]))
-    _give_units(variables, scene._units().get(found["look"]["of"], "1"))
     thresholds = [
         dict(zip(("low", "high", "below", "above"), (*threshold["between"], *threshold["attractors"])))
         for threshold in result["thresholds"]
     ]
     variables.update(columns(thresholds, "threshold", "threshold_"))
+    give_units(variables, _units(scene._units().get(found["look"]["of"], "1"), _initial_unit(initial)))
     amplitudes = _array([run["amplitude"] for run in result["runs"]])
     coordinates = {initial: ((initial,), amplitudes, {"units": _initial_unit(initial)})}
     return table(variables, coordinates, _attributes(scene, found))
@@ -228,7 +227,7 @@ def basin(
         "failure": (dimensions, np.array(failure, dtype=np.str_), {}),
     }
     variables.update(_attractors(found["result"]["attractors"]))
-    _give_units(variables, scene._units().get(found["look"]["of"], "1"))
+    give_units(variables, _units(scene._units().get(found["look"]["of"], "1"), "1"))
     coordinates: dict[str, Column] = {
         name: ((name,), values, {"units": _initial_unit(name)}) for name, values in axes.items()
     }
@@ -340,7 +339,9 @@ def branches(
     Returns
     -------
     dict
-        As in study.json of ``amontons study branches``: points and special points of each branch; uniform sliding.
+        ``branches``: for each start the ``points``, the ``specials`` (folds, bifurcations, changes of events) and the
+        ``ends`` of its branch, or the ``failure``; ``rest``: uniform sliding over the range; ``look``: the settings of the
+        observation.
     """
     from ._scene import _ascending
 
@@ -354,7 +355,9 @@ def branches(
         "points": int(points),
         **_observation(of, window, interval, longest),
     }
-    return _whole(_run(scene, request, None, progress, "the branches"))
+    found = _whole(_run(scene, request, None, progress, "the branches"))
+    found["branches"] = [branch.get("Ok", {"failure": branch.get("Err")}) for branch in found["branches"]]
+    return found
 
 
 def transient(
@@ -412,12 +415,11 @@ def _attractors(endings: Sequence[dict[str, Any]]) -> dict[str, Column]:
     return columns([{key: row[key] for key in keys} for row in rows], "number", "attractor_")
 
 
-def _give_units(variables: dict[str, Column], unit: str) -> None:
-    """Gives the quantities of motions their units; `unit` is that of the output."""
-    for name, its in {"amplitude": unit, "frequency": "Hz", "period": "s", "time": "s"}.items():
-        for known in (name, f"attractor_{name}"):
-            if known in variables:
-                variables[known][2]["units"] = its
+def _units(of: str, parameter: str) -> dict[str, str]:
+    """Units of the quantities of motions, with those of the output and of the parameter."""
+    own = {"amplitude": of, "frequency": "Hz", "period": "s", "time": "s"}
+    attractors = {f"attractor_{name}": unit for name, unit in own.items()}
+    return {**own, **attractors, "threshold_low": parameter, "threshold_high": parameter}
 
 
 def _initial_unit(name: str) -> str:

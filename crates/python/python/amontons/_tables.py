@@ -64,6 +64,13 @@ def _array(values: list[Any]) -> Any:
     return np.array(numbers, dtype=complex if is_complex else float)
 
 
+def give_units(variables: Mapping[str, Column], units: Mapping[str, str]) -> None:
+    """Gives variables their units, as far as the table has them."""
+    for name, unit in units.items():
+        if name in variables:
+            variables[name][2]["units"] = unit
+
+
 def names_of(names: Iterable[str]) -> list[str]:
     """Names of variables as a list; a text alone is no list of names."""
     if isinstance(names, str):
