@@ -28,9 +28,6 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::HashSet;
 
-/// Relative resolution of the boundary from which an orbit is looked for.
-const BOUNDARY: f64 = 1e-10;
-
 /// A study of a scene.
 #[pyclass(frozen, module = "amontons._core")]
 pub struct Study {
@@ -38,7 +35,7 @@ pub struct Study {
     request: Request,
 }
 
-/// What a study is asked for.
+/// The kind of a study, and all that a user asks of it.
 #[derive(Clone, Debug, Deserialize)]
 struct Request {
     of: Option<String>,
@@ -59,7 +56,7 @@ type Values = (String, Vec<f64>);
 #[serde(tag = "study", rename_all = "kebab-case")]
 enum Kind {
     Motion,
-    LimitCycles { parameter: String, values: Vec<f64>, resolution: f64, portraits: Vec<f64> },
+    LimitCycles { parameter: String, values: Vec<f64>, resolution: f64 },
     Perturbations { parameter: String, values: Vec<f64>, resolution: f64 },
     Basin { x: Values, y: Values, islands: Option<usize>, every_point: bool },
     Continuation { values: Vec<f64>, resolution: Option<f64> },
@@ -83,11 +80,7 @@ impl Start {
         Ok(match self {
             Self::Run => From::Run,
             Self::Mode(number) => From::Mode(*number),
-            Self::Between(name, [a, b]) => From::Boundary(Direction {
-                name: initial_value(scene, name)?,
-                amplitudes: vec![a.min(*b), a.max(*b)],
-                resolution: BOUNDARY,
-            }),
+            Self::Between(name, ends) => From::boundary(scene, name, *ends)?,
             Self::Orbit(known) => {
                 known.check(scene)?;
                 From::Orbit(known.clone())
@@ -101,9 +94,8 @@ impl Study {
     /// A study that is asked for as JSON.
     #[new]
     fn new(scene: &Scene, request: &str) -> PyResult<Self> {
-        let request: Request = serde_json::from_str(request)
+        let mut request: Request = serde_json::from_str(request)
             .map_err(|error| ArgumentError::new_err(format!("this is no study: {error}")))?;
-        let mut request = request;
         request.integrator = scene.integrator.clone();
         Ok(Self { scene: scene.scene.clone(), request })
     }
@@ -205,15 +197,15 @@ impl Request {
             Kind::Motion => {
                 settled_motion(scene.clone(), &observation, watch)?.map(|(_, ending)| json!(ending))
             }
-            Kind::LimitCycles { parameter, values, resolution, portraits } => {
+            Kind::LimitCycles { parameter, values, resolution } => {
                 let possible = Possible::of(&scene, parameter, values)?;
                 let note = possible.note(parameter);
                 let question = Question {
                     name: parameter.clone(),
                     values: possible.values,
                     resolution: *resolution,
-                    portraits: Some(portraits.clone()),
-                    contacts: usize::MAX,
+                    portraits: Some(Vec::new()),
+                    contacts: 0,
                 };
                 let prepare = |scene: &mut amontons::scene::Scene| {
                     let observation = self.observation(scene)?;

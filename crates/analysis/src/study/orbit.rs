@@ -1,6 +1,6 @@
 //! One periodic motion of a scene, from a run, from the boundary between two motions, or from a known orbit.
 
-use super::initial::starting_from;
+use super::initial::{initial_value, starting_from};
 use super::long_term::{Kind, LongTermMotion};
 use super::observation::ObservationSettings;
 use super::perturbation::{Direction, perturbation};
@@ -30,6 +30,21 @@ pub enum From {
     /// An oscillating mode of uniform sliding, by its place in the order of frequencies, from 1: just above the amplitude
     /// at which a contact leaves sliding. Where the mode begins to grow, branches begin there.
     Mode(usize),
+}
+
+/// Relative accuracy of a boundary: a run from it stays near the orbit until this part has grown.
+const BOUNDARY: f64 = 1e-12;
+
+impl From {
+    /// The boundary between the motions that two values of an initial value (m or m/s) end in.
+    ///
+    /// # Errors
+    /// Returns an error if the scene has no such initial value.
+    pub fn boundary(scene: &Scene, name: &str, [a, b]: [f64; 2]) -> Result<Self, Error> {
+        let name = initial_value(scene, name)?;
+        let amplitudes = vec![a.min(b), a.max(b)];
+        Ok(Self::Boundary(Direction { name, amplitudes, resolution: BOUNDARY }))
+    }
 }
 
 /// The result of a search for an orbit.

@@ -2,11 +2,10 @@
 
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, STUDY, quoted};
-use super::orbit::{BOUNDARY, named_ends, read, words};
+use super::orbit::{named_ends, read, words};
 use super::{heading, prepared, watched_unevenly};
 use amontons::scene::{Scene, Source};
 use amontons_analysis::orbit::{Branch, BranchEnd, BranchPoint, SpecialKind, SpecialPoint};
-use amontons_analysis::study::perturbation::Direction;
 use amontons_analysis::study::{
     BranchQuestion, Branches, Continuation, From, RestBranch, branches, initial_value,
 };
@@ -81,10 +80,9 @@ pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
         starts.push((path.display().to_string(), From::Orbit(Box::new(read(path, &scene)?))));
     }
     for (name, [a, b]) in &arguments.between {
+        let start = From::boundary(&scene, name, [*a, *b])?;
         let name = initial_value(&scene, name)?;
-        let label = format!("the boundary of {name} from {a:?} to {b:?}");
-        let amplitudes = vec![a.min(*b), a.max(*b)];
-        starts.push((label, From::Boundary(Direction { name, amplitudes, resolution: BOUNDARY })));
+        starts.push((format!("the boundary of {name} from {a:?} to {b:?}"), start));
     }
     for number in &arguments.mode {
         starts.push((format!("mode {number}"), From::Mode(*number)));

@@ -7,8 +7,7 @@ use amontons::integrator::Event;
 use amontons::scene::Scene;
 use amontons_analysis::orbit::{Orbit, OrbitEnergy, OrbitEvent, OrbitStart, check_signals};
 use amontons_analysis::output::AtomicFile;
-use amontons_analysis::study::perturbation::Direction;
-use amontons_analysis::study::{FoundOrbit, From, Unfound, initial_value, orbit};
+use amontons_analysis::study::{FoundOrbit, From, Unfound, orbit};
 use amontons_analysis::sweep::range;
 use amontons_cli::say;
 use amontons_export::documentation::counted;
@@ -19,8 +18,6 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Accuracy of a boundary: a run from it stays near the orbit until this part has grown.
-pub const BOUNDARY: f64 = 1e-12;
 /// File of the orbit, from which other commands start.
 const FILE: &str = "orbit.json";
 /// File of the motion at which Newton's method ended, where it found no orbit.
@@ -57,11 +54,7 @@ pub fn run(arguments: &OrbitArguments) -> Result<(), Box<dyn Error>> {
     let (scene, source, observation) = prepared(common, options)?;
     let start = match (from, between) {
         (Some(path), _) => From::Orbit(Box::new(read(path, &scene)?)),
-        (None, Some((name, [a, b]))) => From::Boundary(Direction {
-            name: initial_value(&scene, name)?,
-            amplitudes: vec![a.min(*b), a.max(*b)],
-            resolution: BOUNDARY,
-        }),
+        (None, Some((name, ends))) => From::boundary(&scene, name, *ends)?,
         (None, None) => mode.map_or(From::Run, From::Mode),
     };
     let known = match &start {
