@@ -53,7 +53,8 @@ impl Journal {
         Self { path, is_ours: Box::new(|_| true), pages: Mutex::new(pages) }
     }
 
-    /// The same journal, with which a study computes only those missing pieces whose key `is_ours`.
+    /// Returns the same journal for one of several workers: a study then computes a missing piece only if `is_ours` is true
+    /// of its key.
     #[must_use]
     pub fn shared(self, is_ours: impl Fn(&str) -> bool + Send + Sync + 'static) -> Self {
         Self { is_ours: Box::new(is_ours), ..self }

@@ -35,7 +35,7 @@ impl Watch<'_> {
         }
     }
 
-    /// Reports parts of work of which so many of `count` pieces are done.
+    /// Returns a function that is given the number of finished pieces and reports it as a part of all `count` pieces.
     #[allow(clippy::cast_precision_loss)]
     pub(crate) fn parts(&self, count: usize) -> impl Fn(usize) + Sync {
         move |done| (self.progress)(done as f64 / count as f64)

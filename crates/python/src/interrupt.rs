@@ -4,7 +4,6 @@ use crate::errors::Error;
 use amontons_analysis::stability;
 use amontons_analysis::watch::Watch;
 use pyo3::prelude::*;
-use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -14,22 +13,10 @@ use std::time::Duration;
 /// Time between two looks at Ctrl-C, and between two reports of progress.
 const TICK: Duration = Duration::from_millis(50);
 
-thread_local! {
-    /// `true` while this thread is one of many workers that share the cores.
-    static ALONE: Cell<bool> = const { Cell::new(false) };
-}
-
 /// Calls a Python function as one of many workers: analyses that it asks for start no threads of their own.
 #[pyfunction]
 pub fn on_this_thread(function: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-    struct Restore(bool);
-    impl Drop for Restore {
-        fn drop(&mut self) {
-            ALONE.set(self.0);
-        }
-    }
-    let _restore = Restore(ALONE.replace(true));
-    function.call0().map(Bound::unbind)
+    stability::on_this_thread(|| function.call0()).map(Bound::unbind)
 }
 
 /// Carries out work in a thread of its own, while this one waits for it, calls `progress` with the part that is done,
@@ -46,7 +33,8 @@ pub fn watched<T: Send>(
         false => ControlFlow::Continue(()),
     };
     let report = |part: f64| done.store(part.to_bits(), Ordering::Relaxed);
-    let is_alone = ALONE.get();
+    // Whether an analysis may start threads is known of each thread.
+    let is_alone = stability::is_on_this_thread();
     let tell = || {
         let part = f64::from_bits(done.load(Ordering::Relaxed));
         progress.map_or(Ok(()), |progress| progress.call1((part,)).map(|_| ()))

@@ -53,7 +53,7 @@ pub fn run<'py>(
 }
 
 /// The variables of these names, or all outputs.
-pub fn outputs_of(
+fn outputs_of(
     scene: &amontons::scene::Scene,
     names: Option<&[String]>,
 ) -> Result<Vec<Variable>, Error> {

@@ -171,7 +171,7 @@ impl Scene {
     /// Values that are possible, but hardly meant, each as a sentence.
     #[getter]
     fn doubts(&self) -> Vec<String> {
-        doubts_of(&self.scene).iter().map(ToString::to_string).collect()
+        doubts_of(&self.scene)
     }
 
     /// The value of a parameter, an input or a signal.
@@ -216,7 +216,7 @@ impl Scene {
 }
 
 /// The choice of method, step and preset by their names.
-pub fn choice(
+fn choice(
     method: Option<&str>,
     step: Option<f64>,
     preset: Option<&str>,

@@ -26,7 +26,7 @@ pub struct Simulation {
     running: Mutex<Option<amontons::simulation::Simulation>>,
 }
 
-/// What a saved state holds: the identity of the scene, all values that can be set, and the motion.
+/// Content of a saved state: the identity of the scene, all values that can be set, and the motion.
 #[derive(Serialize, Deserialize)]
 struct Saved {
     identity: String,

@@ -28,20 +28,30 @@ fn check_instant(at: f64) -> Result<(), Error> {
     }
 }
 
+/// The scene with another value of a parameter at time `at` (s), as eigenvalues need it.
+fn changed(scene: &Scene, (name, value): (&str, f64), at: f64) -> Result<Linearised, Error> {
+    let mut changed = scene.scene.clone();
+    assign(&mut changed, name, value)?;
+    let changed = at_instant(&changed, at)?;
+    changed.check()?;
+    Ok(Linearised::of(&changed))
+}
+
 /// The scene with this friction coefficient at time `at` (s), as eigenvalues need it.
 fn linearised(scene: &Scene, friction: Option<f64>, at: f64) -> Result<Cow<'_, Linearised>, Error> {
     check_instant(at)?;
-    if friction.is_none() && scene.scene.signals.is_empty() {
-        return Ok(Cow::Borrowed(scene.linearised()));
+    match friction {
+        Some(friction) => {
+            require_undriven(&scene.scene, FRICTION)?;
+            changed(scene, (FRICTION, friction), at).map(Cow::Owned)
+        }
+        None if scene.scene.signals.is_empty() => Ok(Cow::Borrowed(scene.linearised())),
+        None => {
+            let here = at_instant(&scene.scene, at)?;
+            here.check()?;
+            Ok(Cow::Owned(Linearised::of(&here)))
+        }
     }
-    let mut changed = scene.scene.clone();
-    if let Some(friction) = friction {
-        require_undriven(&changed, FRICTION)?;
-        assign(&mut changed, FRICTION, friction)?;
-    }
-    let changed = at_instant(&changed, at)?;
-    changed.check()?;
-    Ok(Cow::Owned(Linearised::of(&changed)))
 }
 
 /// The contact state of this name, or uniform sliding.
@@ -140,13 +150,7 @@ pub fn locus<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     require_undriven(&scene.scene, name).map_err(raised)?;
     let found = watched(py, progress.as_ref(), |watch| {
-        let with = |value: f64| {
-            let mut scene = scene.scene.clone();
-            assign(&mut scene, name, value)?;
-            let scene = at_instant(&scene, at)?;
-            scene.check()?;
-            Ok(Linearised::of(&scene))
-        };
+        let with = |value: f64| changed(scene, (name, value), at);
         check_instant(at)?;
         let first = values.first().ok_or_else(|| Error::argument("a locus needs values"))?;
         let states = states_of(state, &with(*first)?)?;

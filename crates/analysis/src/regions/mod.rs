@@ -92,7 +92,7 @@ fn halved(lines: &[usize]) -> Vec<usize> {
     finer
 }
 
-/// What is known of a plane.
+/// A plane with the classes of its points, as far as they are found or filled in.
 struct Plane<'a, T> {
     size: [usize; 2],
     find: Finder<'a, T>,

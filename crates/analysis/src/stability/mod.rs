@@ -27,6 +27,6 @@ mod states;
 pub use linearised::Linearised;
 pub use linearity_limit::{LinearityLimit, linearity_limit};
 pub use modes::{Mode, Modes, modes};
-pub use parallel::on_this_thread;
+pub use parallel::{is_on_this_thread, on_this_thread};
 pub use state_energy::{StateEnergy, state_energy};
 pub use states::{MAX_CONTACTS, StateClasses};

@@ -23,6 +23,12 @@ pub fn on_this_thread<T>(analysis: impl FnOnce() -> T) -> T {
     analysis()
 }
 
+/// `true` within [`on_this_thread`].
+#[must_use]
+pub fn is_on_this_thread() -> bool {
+    ALONE.get()
+}
+
 /// `work(i)` for i below `count`, on all cores, in the order of i; `done` hears how many are done.
 /// After an error no new piece is begun; of several the first in the order of i is given.
 pub(crate) fn collect<T: Send + Clone>(
@@ -48,7 +54,7 @@ pub(crate) fn collect<T: Send + Clone>(
             done(results.0);
         }
     };
-    if ALONE.get() {
+    if is_on_this_thread() {
         run();
     } else {
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count.max(1));

@@ -133,7 +133,7 @@ impl Shared {
         panic!("there is always a next round");
     }
 
-    /// What one machine writes.
+    /// The files that one machine writes.
     fn by_one(&self, folder: &Path) -> Files {
         let output = |more: &[&str]| {
             let output = self.run(folder, more);
@@ -157,7 +157,8 @@ impl Shared {
         }
     }
 
-    /// 1, 2 and 7 workers must have these files of one machine, several in so many rounds, and one in one.
+    /// Checks that 1, 2 and 7 workers write the files of one machine: one worker in one round, several in the given number of
+    /// rounds.
     fn assert_shared(&self, files: &[&str], rounds: RangeInclusive<usize>) {
         let [one, all @ ..] = [0; 4].map(|_| folder());
         let whole = self.by_one(one.path());

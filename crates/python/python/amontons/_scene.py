@@ -352,13 +352,12 @@ class Scene:
             times, columns, doubts = _core.run(self._core, stop_time, output_interval, names, report)
         for doubt in doubts:
             warnings.warn(doubt, stacklevel=2)
-        units = self._units()
-        kinds = {name: variable.type for name, variable in self.variables.items()}
+        known = self.variables
         variables = {
             name: (
                 ("time",),
                 values.astype("int32") if is_whole else values,
-                _contact_states() if kinds[name] == "Enumeration" else {"units": units[name]},
+                _contact_states() if known[name].type == "Enumeration" else {"units": known[name].unit},
             )
             for name, values, is_whole in columns
         }

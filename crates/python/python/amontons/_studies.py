@@ -80,7 +80,6 @@ def limit_cycles(
         "parameter": parameter,
         "values": _ascending(values, parameter).tolist(),
         "resolution": _above_zero(resolution, "resolution"),
-        "portraits": [],
         **_observation(of, window, interval, longest),
     }
     found = _run(scene, request, executor, progress, "the limit cycles")

@@ -88,19 +88,19 @@ def sweep(
     for name in axes:
         # A misspelt name is an error of the whole sweep, not of each point.
         scene[name]
+    attributes: dict[str, Any] = {"of": of if isinstance(of, str) else getattr(of, "__qualname__", repr(of))}
     if of in _AT_INSTANT:
         for name in axes:
             _core.check_undriven(scene._core, name)
-        evaluate = partial(evaluate, at=scene._instant(at))
+        attributes["at"] = scene._instant(at)
+        evaluate = partial(evaluate, at=attributes["at"])
     scene._warn_of_doubts()
     points = list(itertools.product(*(values.tolist() for values in axes.values())))
     rows: dict[int, dict[str, Any]] = {}
-    items: Sequence[Any]
     with reporting(progress, "the sweep") as report:
-        common = (scene, list(axes), evaluate, points if executor is None else None)
-        items = range(len(points)) if executor is None else list(enumerate(points))
-        for batch, found in carry_out(_evaluated, common, items, executor, report):
-            places = batch if executor is None else [place for place, _ in batch]
+        common = (scene, list(axes), evaluate)
+        for batch, found in carry_out(_evaluated, common, list(enumerate(points)), executor, report):
+            places = [place for place, _ in batch]
             rows.update(zip(places, found or [{"failure": _LOST}] * len(batch)))
     failed = sum(bool(row["failure"]) for row in rows.values())
     if failed == len(points):
@@ -119,15 +119,13 @@ def sweep(
     coordinates = {
         name: ((name,), values, {"units": units.get(name, "1")}) for name, values in axes.items()
     }
-    described = of if isinstance(of, str) else getattr(of, "__qualname__", repr(of))
-    return table(variables, coordinates, scene._attributes(of=described, **({"at": scene._instant(at)} if of in _AT_INSTANT else {})))
+    return table(variables, coordinates, scene._attributes(**attributes))
 
 
 def _evaluated(common: tuple[Any, ...], batch: Sequence[Any]) -> list[dict[str, Any]]:
     """The rows of some points."""
-    scene, names, evaluate, points = common
-    places = batch if points is None else [(place, points[place]) for place in batch]
-    return [_row(scene, dict(zip(names, point)), evaluate) for _, point in places]
+    scene, names, evaluate = common
+    return [_row(scene, dict(zip(names, point)), evaluate) for _, point in batch]
 
 
 def _row(scene: Scene, values: dict[str, float], evaluate: Callable[[Scene], Any]) -> dict[str, Any]:
