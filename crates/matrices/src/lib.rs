@@ -1,0 +1,14 @@
+//! Reads sparse matrices that finite-element programs and numerical tools write.
+//!
+//! [`open`] reads a file. Each reader takes the bytes of a file, so that it can be tried without one. A fault in a file is an
+//! [`Error`] with the line or the offset, and the remedy; no content makes a reader panic, and none needs more memory than
+//! its entries do.
+
+mod builder;
+mod error;
+mod matrix;
+mod open;
+
+pub use error::{Error, Fault, Place};
+pub use matrix::{Entry, Freedom, Matrix, Symmetry};
+pub use open::{Location, open};
