@@ -3,5 +3,6 @@
 //! Quantities have the units of the matrices. Where a frequency is told in Hz, the unit of time of the matrices is a second.
 
 mod sparse;
+pub mod symmetric;
 
 pub use sparse::Sparse;

@@ -2,6 +2,7 @@
 
 use amontons::Error;
 use amontons_matrices::Matrix;
+use faer::{Mat, MatRef};
 use std::ops::{AddAssign, Mul};
 
 /// The largest number of rows or columns: it bounds the memory that a short file can ask for.
@@ -206,6 +207,114 @@ impl Sparse {
             }
         }
         Self { rows: self.columns(), starts, indices, values }
+    }
+
+    /// The entry of a row and a column; 0 if the matrix has none there.
+    ///
+    /// # Panics
+    /// Panics if there is no such column.
+    #[must_use]
+    pub fn entry(&self, row: usize, column: usize) -> f64 {
+        let range = self.starts[column]..self.starts[column + 1];
+        let found = self.indices[range.clone()].binary_search(&row);
+        found.map_or(0.0, |at| self.values[range.start + at])
+    }
+
+    /// a A + b B, with an entry wherever A or B has one, even where the sum is zero: all sums of two matrices have the same
+    /// places.
+    ///
+    /// # Panics
+    /// Panics if the shapes differ.
+    #[must_use]
+    pub fn sum(&self, a: f64, other: &Self, b: f64) -> Self {
+        assert!(self.rows == other.rows && self.columns() == other.columns());
+        let most = self.count().max(other.count());
+        let (mut indices, mut values) = (Vec::with_capacity(most), Vec::with_capacity(most));
+        let mut starts = vec![0];
+        for column in 0..self.columns() {
+            let mut left = self.column(column).peekable();
+            let mut right = other.column(column).peekable();
+            loop {
+                let next = [left.peek(), right.peek()].map(|entry| entry.map(|&(row, _)| row));
+                let Some(row) = next.into_iter().flatten().min() else { break };
+                let x = left.next_if(|entry| entry.0 == row).map_or(0.0, |entry| entry.1);
+                let y = right.next_if(|entry| entry.0 == row).map_or(0.0, |entry| entry.1);
+                indices.push(row);
+                values.push(a * x + b * y);
+            }
+            starts.push(indices.len());
+        }
+        Self { rows: self.rows, starts, indices, values }
+    }
+
+    /// The rows and columns that are listed, each list in ascending order.
+    ///
+    /// # Panics
+    /// Panics if one is outside of the matrix.
+    #[must_use]
+    pub fn part(&self, rows: &[usize], columns: &[usize]) -> Self {
+        let mut place = vec![None; self.rows];
+        for (new, &old) in rows.iter().enumerate() {
+            place[old] = Some(new);
+        }
+        let (mut indices, mut values, mut starts) = (Vec::new(), Vec::new(), vec![0]);
+        for &column in columns {
+            for (row, value) in self.column(column) {
+                if let Some(row) = place[row] {
+                    indices.push(row);
+                    values.push(value);
+                }
+            }
+            starts.push(indices.len());
+        }
+        Self { rows: rows.len(), starts, indices, values }
+    }
+
+    /// A X for several vectors, the columns of X.
+    ///
+    /// # Panics
+    /// Panics if X has not one row for each column of the matrix.
+    #[must_use]
+    pub fn times(&self, x: MatRef<'_, f64>) -> Mat<f64> {
+        assert!(x.nrows() == self.columns());
+        let mut product = Mat::zeros(self.rows, x.ncols());
+        for vector in 0..x.ncols() {
+            let into = product.col_as_slice_mut(vector);
+            for column in 0..self.columns() {
+                let factor = x[(column, vector)];
+                for (row, value) in self.column(column) {
+                    into[row] += value * factor;
+                }
+            }
+        }
+        product
+    }
+
+    /// The matrix with all its zeros.
+    #[must_use]
+    pub fn dense(&self) -> Mat<f64> {
+        let mut dense = Mat::zeros(self.rows, self.columns());
+        for column in 0..self.columns() {
+            for (row, value) in self.column(column) {
+                dense[(row, column)] = value;
+            }
+        }
+        dense
+    }
+
+    /// The place (row, column) of the largest |aᵢⱼ − aⱼᵢ|, and that difference.
+    #[must_use]
+    pub fn asymmetry(&self) -> (usize, usize, f64) {
+        let mut worst = (0, 0, 0.0);
+        for column in 0..self.columns() {
+            for (row, value) in self.column(column) {
+                let difference = (value - self.entry(column, row)).abs();
+                if difference > worst.2 {
+                    worst = (row, column, difference);
+                }
+            }
+        }
+        worst
     }
 }
 

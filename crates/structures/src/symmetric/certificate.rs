@@ -1,0 +1,100 @@
+//! How far the modes of a superelement are from those of the full matrices, and that none is missing.
+
+use super::bounds::{Bounded, frequency};
+use super::factor::negative;
+use super::lanczos::dense;
+use super::modes::{below, bounded};
+use super::reduction::Superelement;
+use super::structure::Structure;
+use amontons::Error;
+use amontons_analysis::watch::Watch;
+use faer::{Mat, Side};
+
+/// A mode whose frequency is at most this part of the limit is rigid.
+const RIGID: f64 = 1e-5;
+
+/// What is known of the modes below a limit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Certificate {
+    /// The frequency at which modes were counted, Hz.
+    pub limit: f64,
+    /// The number of modes of the full matrices below the limit, by the signs of the pivots of K − ω²M.
+    pub full: usize,
+    /// The number of modes of the superelement below the limit, by the same count.
+    pub reduced: usize,
+    /// For each mode of the full matrices below the limit, in ascending order: an interval that contains its eigenvalue.
+    pub intervals: Vec<Bounded>,
+    /// The frequency of the superelement's mode of the same rank, Hz: it is never lower, but for rounding.
+    pub frequencies: Vec<f64>,
+}
+
+impl Certificate {
+    /// `true` if full matrices and superelement have the same number of modes below the limit, and each interval ends below
+    /// it.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.full == self.reduced
+            && self.full == self.intervals.len()
+            && self.intervals.iter().all(|interval| interval.frequencies()[1] < self.limit)
+    }
+
+    /// `true` for a mode that moves the structure as a rigid body, or a mechanism: its frequency is at most
+    /// 10⁻⁵ of the limit. Rounding of the matrices leaves such frequencies a little off 0, so that they have no relative error.
+    #[must_use]
+    pub fn is_rigid(&self, mode: usize) -> bool {
+        self.intervals[mode].frequencies()[1] <= RIGID * self.limit
+    }
+
+    /// The largest possible relative error of a frequency of the superelement; `None` for a rigid mode.
+    #[must_use]
+    pub fn error(&self, mode: usize) -> Option<f64> {
+        let [low, high] = self.intervals[mode].frequencies();
+        let reduced = *self.frequencies.get(mode)?;
+        (!self.is_rigid(mode)).then(|| (reduced - low).abs().max((reduced - high).abs()) / low)
+    }
+}
+
+/// Compares the modes of a superelement below a frequency in Hz with those of the full matrices, while the degrees of freedom
+/// `held` (rows of the full matrices, all of them retained) are held.
+///
+/// # Errors
+/// Returns an error if the matrices cannot be factored within `memory` bytes, or if the work has been ended.
+pub fn certify(
+    structure: &Structure,
+    superelement: &Superelement,
+    held: &[usize],
+    limit: f64,
+    memory: usize,
+    watch: Watch<'_>,
+) -> Result<Certificate, Error> {
+    let free: Vec<usize> = (0..structure.freedoms.len()).filter(|row| !held.contains(row)).collect();
+    let stiffness = structure.stiffness.part(&free, &free);
+    let mass = structure.mass.part(&free, &free);
+    let counted = below(&stiffness, &mass, limit, memory, watch)?;
+    let intervals = bounded(&stiffness, &mass, &counted.modes, memory)?;
+
+    let coordinates: Vec<usize> = (0..superelement.stiffness.nrows())
+        .filter(|&at| superelement.retained.get(at).is_none_or(|row| !held.contains(row)))
+        .collect();
+    let part = |matrix: &Mat<f64>| {
+        Mat::from_fn(coordinates.len(), coordinates.len(), |row, column| {
+            matrix[(coordinates[row], coordinates[column])]
+        })
+    };
+    let (reduced_stiffness, reduced_mass) = (part(&superelement.stiffness), part(&superelement.mass));
+    let (values, _) = dense(&reduced_stiffness, &reduced_mass)?;
+    let shifted = &reduced_stiffness - faer::Scale(counted.limit) * &reduced_mass;
+    let factors = shifted.lblt(Side::Lower);
+    Ok(Certificate {
+        limit: frequency(counted.limit),
+        full: counted.count,
+        reduced: negative(
+            coordinates.len(),
+            |at| factors.B_diag()[at],
+            |at| factors.B_subdiag()[at],
+        )
+        .unwrap_or(0),
+        frequencies: values.iter().take(intervals.len()).map(|&value| frequency(value)).collect(),
+        intervals,
+    })
+}

@@ -1,0 +1,138 @@
+//! Reduction to a superelement: Craig and Bampton's.
+
+use super::factor::{Factors, Pattern};
+use super::modes::below;
+use super::structure::Structure;
+use amontons::Error;
+use amontons_analysis::watch::Watch;
+use faer::Mat;
+use std::f64::consts::TAU;
+
+/// A lowest frequency of the structure with its retained nodes held that is this part of the limit counts as zero.
+const LOOSE: f64 = 1e-4;
+
+/// What a superelement keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// The rows of the retained degrees of freedom, in ascending order.
+    pub retained: Vec<usize>,
+    /// Modes of the structure with its retained degrees of freedom held are kept up to this frequency, Hz.
+    pub modes_to: f64,
+    /// The memory that may be used for factors and vectors, bytes.
+    pub memory: usize,
+}
+
+/// A structure in few coordinates: first the retained degrees of freedom in their order, then one for each mode that it has
+/// while these are held.
+pub struct Superelement {
+    /// The stiffness matrix in these coordinates.
+    pub stiffness: Mat<f64>,
+    /// The mass matrix in these coordinates.
+    pub mass: Mat<f64>,
+    /// The rows of the retained degrees of freedom in the full matrices.
+    pub retained: Vec<usize>,
+    /// The squares of the angular frequencies of the modes that were kept, 1/s².
+    pub modes: Vec<f64>,
+    /// The motion of all degrees of freedom for a unit of each coordinate: one row for each row of the full matrices.
+    pub basis: Mat<f64>,
+    /// The share of the moving mass along x, y and z that the kept modes move, while the retained degrees of freedom are
+    /// held; `None` where nothing moves along that axis.
+    pub moved_mass: [Option<f64>; 3],
+}
+
+/// Reduces a structure: static shapes of the retained degrees of freedom, and the modes with these held.
+///
+/// Source: R. R. Craig and M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA Journal 6 (1968).
+///
+/// # Errors
+/// Returns an error if a row is not of the structure, if the rest of the structure is not held by the retained degrees of
+/// freedom, if more memory is needed than may be used, or if the work has been ended.
+pub fn reduce(
+    structure: &Structure,
+    request: &Request,
+    watch: Watch<'_>,
+) -> Result<Superelement, Error> {
+    let (full_stiffness, full_mass) = (&structure.stiffness, &structure.mass);
+    let order = full_stiffness.rows();
+    let retained = &request.retained;
+    let mut is_retained = vec![false; order];
+    for &row in retained {
+        is_retained[row] = true;
+    }
+    let inner: Vec<usize> = (0..order).filter(|&row| !is_retained[row]).collect();
+    if retained.is_empty() || inner.is_empty() {
+        return Err(Error::analysis(format!(
+            "{} of {order} degrees of freedom are retained; retain some, and leave some to reduce",
+            retained.len()
+        )));
+    }
+    let stiffness = full_stiffness.part(&inner, &inner);
+    let mass = full_mass.part(&inner, &inner);
+    let stiffness_across = full_stiffness.part(&inner, retained);
+    let mass_across = full_mass.part(&inner, retained);
+
+    let modes = below(&stiffness, &mass, request.modes_to, request.memory, watch)?.modes;
+    if let Some(lowest) = modes.values.first()
+        && *lowest < (LOOSE * TAU * request.modes_to).powi(2)
+    {
+        return Err(Error::analysis(
+            "with the retained nodes held, a part of the structure can still move freely; retain at least three nodes of each part \
+             that are not on one line",
+        ));
+    }
+    watch.check()?;
+
+    // Static shapes: K_ii Ψ = −K_ib.
+    let pattern = Pattern::new(&stiffness, request.memory)?;
+    let mut shapes = stiffness_across.dense();
+    Factors::new(&pattern, &stiffness).solve(shapes.as_mut());
+    shapes *= faer::Scale(-1.0);
+    watch.check()?;
+
+    let (held, kept) = (retained.len(), modes.values.len());
+    let inertia = mass.times(shapes.as_ref()) + mass_across.dense();
+    let static_stiffness = full_stiffness.part(retained, retained).dense()
+        + stiffness_across.transposed().times(shapes.as_ref());
+    let static_mass = full_mass.part(retained, retained).dense()
+        + mass_across.transposed().times(shapes.as_ref())
+        + shapes.transpose() * &inertia;
+    let coupling = modes.vectors.transpose() * &inertia;
+    let reduced = |block: &Mat<f64>, across: &dyn Fn(usize, usize) -> f64, modal: &dyn Fn(usize) -> f64| {
+        Mat::from_fn(held + kept, held + kept, |row, column| match (row < held, column < held) {
+            (true, true) => 0.5 * (block[(row, column)] + block[(column, row)]),
+            (false, true) => across(row - held, column),
+            (true, false) => across(column - held, row),
+            (false, false) if row == column => modal(row - held),
+            (false, false) => 0.0,
+        })
+    };
+    let mut basis = Mat::zeros(order, held + kept);
+    for (column, &row) in retained.iter().enumerate() {
+        basis[(row, column)] = 1.0;
+    }
+    for (at, &row) in inner.iter().enumerate() {
+        for column in 0..held {
+            basis[(row, column)] = shapes[(at, column)];
+        }
+        for mode in 0..kept {
+            basis[(row, held + mode)] = modes.vectors[(at, mode)];
+        }
+    }
+    let moved_mass = [1, 2, 3].map(|direction| {
+        let along = Mat::from_fn(inner.len(), 1, |at, _| {
+            f64::from(u8::from(structure.freedoms[inner[at]].direction == direction))
+        });
+        let momentum = mass.times(along.as_ref());
+        let total = (along.transpose() * &momentum)[(0, 0)];
+        let parts = modes.vectors.transpose() * &momentum;
+        (total > 0.0).then(|| parts.squared_norm_l2() / total)
+    });
+    Ok(Superelement {
+        stiffness: reduced(&static_stiffness, &|_, _| 0.0, &|mode| modes.values[mode]),
+        mass: reduced(&static_mass, &|mode, column| coupling[(mode, column)], &|_| 1.0),
+        retained: retained.clone(),
+        modes: modes.values,
+        basis,
+        moved_mass,
+    })
+}

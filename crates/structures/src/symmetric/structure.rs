@@ -1,0 +1,136 @@
+//! A structure as its matrices give it.
+
+use crate::sparse::Sparse;
+use amontons::Error;
+use amontons_matrices::{Freedom, Matrix};
+
+/// Rounding of printed digits that counts as symmetric, as a part of the largest entry.
+const SYMMETRIC: f64 = 1e-10;
+
+/// An undamped structure: M q̈ + K q = f with symmetric matrices, M positive definite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Structure {
+    pub(super) stiffness: Sparse,
+    pub(super) mass: Sparse,
+    pub(super) freedoms: Vec<Freedom>,
+}
+
+impl Structure {
+    /// A structure of matrices from files. `freedoms` names the rows; without it those of the stiffness matrix do, or of the
+    /// mass matrix, or row numbers (a scalar point for each row, counted from 1).
+    ///
+    /// # Errors
+    /// Returns an error if the matrices are not square, of one size and symmetric, or if a degree of freedom has no mass.
+    pub fn new(
+        stiffness: &Matrix,
+        mass: &Matrix,
+        freedoms: Option<Vec<Freedom>>,
+    ) -> Result<Self, Error> {
+        let order = stiffness.rows;
+        for (matrix, what) in [(stiffness, "stiffness"), (mass, "mass")] {
+            if matrix.rows != matrix.columns || matrix.rows != order {
+                return Err(Error::analysis(format!(
+                    "the {what} matrix has {} rows and {} columns, and the stiffness matrix {order} rows; both must be square and \
+                     of one size",
+                    matrix.rows, matrix.columns
+                )));
+            }
+        }
+        let freedoms = freedoms
+            .or_else(|| stiffness.freedoms.clone())
+            .or_else(|| mass.freedoms.clone())
+            .unwrap_or_else(|| (1..=order as u64).map(|node| Freedom { node, direction: 0 }).collect());
+        if freedoms.len() != order {
+            return Err(Error::analysis(format!(
+                "{} degrees of freedom are named, and the matrices have {order} rows; name each row once",
+                freedoms.len()
+            )));
+        }
+        if let (Some(of_stiffness), Some(of_mass)) = (&stiffness.freedoms, &mass.freedoms)
+            && let Some(row) = (0..order).find(|&row| of_stiffness[row] != of_mass[row])
+        {
+            return Err(Error::analysis(format!(
+                "row {} is {} in the stiffness matrix and {} in the mass matrix; both must number their rows alike",
+                row + 1,
+                name(of_stiffness[row]),
+                name(of_mass[row])
+            )));
+        }
+        let structure = Self {
+            stiffness: symmetric(stiffness, "stiffness", &freedoms)?,
+            mass: symmetric(mass, "mass", &freedoms)?,
+            freedoms,
+        };
+        structure.check_masses()?;
+        Ok(structure)
+    }
+
+    /// The degree of freedom of each row.
+    #[must_use]
+    pub fn freedoms(&self) -> &[Freedom] {
+        &self.freedoms
+    }
+
+    /// The rows of nodes, in ascending order.
+    ///
+    /// # Errors
+    /// Returns an error if the structure has no row of a node.
+    pub fn rows_of(&self, nodes: &[u64]) -> Result<Vec<usize>, Error> {
+        let sorted: std::collections::BTreeSet<u64> = nodes.iter().copied().collect();
+        let rows = |node: &u64| self.freedoms.iter().any(|freedom| freedom.node == *node);
+        if let Some(missing) = sorted.iter().find(|node| !rows(node)) {
+            let all = || self.freedoms.iter().map(|freedom| freedom.node);
+            return Err(Error::analysis(format!(
+                "the matrices have no node {missing}; their nodes go from {} to {}",
+                all().min().unwrap_or(0),
+                all().max().unwrap_or(0)
+            )));
+        }
+        Ok((0..self.freedoms.len()).filter(|&row| sorted.contains(&self.freedoms[row].node)).collect())
+    }
+
+    /// Each degree of freedom needs a mass: the bounds of eigenvalues are measured with the inverse of M.
+    fn check_masses(&self) -> Result<(), Error> {
+        let without: Vec<usize> =
+            (0..self.mass.rows()).filter(|&row| self.mass.entry(row, row) <= 0.0).collect();
+        let Some(&first) = without.first() else { return Ok(()) };
+        Err(Error::analysis(format!(
+            "{} degrees of freedom have no mass or a negative one, the first is row {}, {}; remove them by static condensation \
+             in the program that wrote the matrices, or give them a small mass there",
+            without.len(),
+            first + 1,
+            name(self.freedoms[first])
+        )))
+    }
+}
+
+/// A degree of freedom in a message.
+pub(super) fn name(freedom: Freedom) -> String {
+    match freedom.direction {
+        0 => format!("point {}", freedom.node),
+        direction => format!("direction {direction} of node {}", freedom.node),
+    }
+}
+
+/// The matrix, with the rounding of its digits evened out.
+fn symmetric(matrix: &Matrix, what: &str, freedoms: &[Freedom]) -> Result<Sparse, Error> {
+    let sparse = Sparse::new(matrix)?;
+    let (row, column, difference) = sparse.asymmetry();
+    if difference == 0.0 {
+        return Ok(sparse);
+    }
+    let largest = sparse.values().iter().fold(0.0, |largest: f64, value| value.abs().max(largest));
+    if difference > SYMMETRIC * largest {
+        return Err(Error::analysis(format!(
+            "the {what} matrix is not symmetric: row {} ({}) and column {} ({}) hold {}, and their transpose {}; only symmetric \
+             structures can be reduced",
+            row + 1,
+            name(freedoms[row]),
+            column + 1,
+            name(freedoms[column]),
+            sparse.entry(row, column),
+            sparse.entry(column, row)
+        )));
+    }
+    Ok(sparse.sum(0.5, &sparse.transposed(), 0.5))
+}
