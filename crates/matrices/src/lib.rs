@@ -6,9 +6,13 @@
 
 mod builder;
 mod error;
+mod freedoms;
 mod matrix;
 mod open;
+mod write;
 
 pub use error::{Error, Fault, Place};
+pub use freedoms::{read_freedoms, write_freedoms};
 pub use matrix::{Entry, Freedom, Matrix, Symmetry};
 pub use open::{Location, open};
+pub use write::{write_matrix_market, write_npy};

@@ -61,9 +61,8 @@ pub fn bound(
     mass_factors.solve(solved.as_mut());
     (0..values.len())
         .map(|mode| {
-            let square: f64 = (0..stiffness.rows())
-                .map(|row| residuals[(row, mode)] * solved[(row, mode)])
-                .sum();
+            let square: f64 =
+                (0..stiffness.rows()).map(|row| residuals[(row, mode)] * solved[(row, mode)]).sum();
             let distance = (square.max(0.0) / norms[mode]).sqrt() * NORMS;
             Bounded { value: values[mode], distance }
         })

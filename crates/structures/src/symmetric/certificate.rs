@@ -67,7 +67,8 @@ pub fn certify(
     memory: usize,
     watch: Watch<'_>,
 ) -> Result<Certificate, Error> {
-    let free: Vec<usize> = (0..structure.freedoms.len()).filter(|row| !held.contains(row)).collect();
+    let free: Vec<usize> =
+        (0..structure.freedoms.len()).filter(|row| !held.contains(row)).collect();
     let stiffness = structure.stiffness.part(&free, &free);
     let mass = structure.mass.part(&free, &free);
     let counted = below(&stiffness, &mass, limit, memory, watch)?;
@@ -81,7 +82,8 @@ pub fn certify(
             matrix[(coordinates[row], coordinates[column])]
         })
     };
-    let (reduced_stiffness, reduced_mass) = (part(&superelement.stiffness), part(&superelement.mass));
+    let (reduced_stiffness, reduced_mass) =
+        (part(&superelement.stiffness), part(&superelement.mass));
     let (values, _) = dense(&reduced_stiffness, &reduced_mass)?;
     let shifted = &reduced_stiffness - faer::Scale(counted.limit) * &reduced_mass;
     let factors = shifted.lblt(Side::Lower);

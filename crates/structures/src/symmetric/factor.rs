@@ -35,7 +35,9 @@ impl Pattern {
                 ..CholeskySymbolicParams::default()
             },
         )
-        .map_err(|error| Error::analysis(format!("cannot order the matrix for elimination: {error:?}")))?;
+        .map_err(|error| {
+            Error::analysis(format!("cannot order the matrix for elimination: {error:?}"))
+        })?;
         let pattern = Self { symbolic };
         let needed = pattern.bytes();
         if needed > memory {
@@ -85,7 +87,8 @@ impl<'a> Factors<'a> {
             forward: vec![0; order],
             inverse: vec![0; order],
         };
-        let scratch = symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default());
+        let scratch =
+            symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default());
         symbolic.factorize_numeric_intranode_lblt(
             &mut factors.values,
             &mut factors.below,

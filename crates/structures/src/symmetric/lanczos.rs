@@ -102,7 +102,8 @@ fn polish(
 /// # Errors
 /// Returns an error if M is not positive definite.
 pub fn dense(stiffness: &Mat<f64>, mass: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
-    let symmetric = |a: &Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]));
+    let symmetric =
+        |a: &Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]));
     let factor = symmetric(mass)
         .llt(Side::Lower)
         .map_err(|_| Error::analysis("the mass matrix is not positive definite"))?;

@@ -58,7 +58,11 @@ pub fn below(
                  matrix, and whether loads were applied that buckle it"
             )));
         }
-        None => return Err(Error::analysis("the stiffness matrix cannot be factored: a pivot is zero or not finite")),
+        None => {
+            return Err(Error::analysis(
+                "the stiffness matrix cannot be factored: a pivot is zero or not finite",
+            ));
+        }
     }
     let modes = lowest(stiffness, mass, &factors, shift, count, limit, watch)?;
     Ok(Counted { limit, count, modes })

@@ -3,8 +3,10 @@
 use super::factor::{Factors, Pattern};
 use super::modes::below;
 use super::structure::Structure;
+use crate::sparse::Sparse;
 use amontons::Error;
 use amontons_analysis::watch::Watch;
+use amontons_matrices::{Entry, Freedom, Matrix, Symmetry};
 use faer::Mat;
 use std::f64::consts::TAU;
 
@@ -38,6 +40,59 @@ pub struct Superelement {
     /// The share of the moving mass along x, y and z that the kept modes move, while the retained degrees of freedom are
     /// held; `None` where nothing moves along that axis.
     pub moved_mass: [Option<f64>; 3],
+}
+
+impl Superelement {
+    /// The stiffness and the mass matrix, with the names of their rows: retained degrees of freedom keep theirs, and modes are
+    /// scalar points with numbers above those of all nodes of the structure.
+    #[must_use]
+    pub fn matrices(&self, structure: &Structure) -> [Matrix; 2] {
+        let freedoms = self.freedoms(structure);
+        [&self.stiffness, &self.mass].map(|dense| Matrix {
+            symmetry: Symmetry::Symmetric,
+            ..matrix(dense, freedoms.clone())
+        })
+    }
+
+    /// TᵀAT for another matrix of the structure, such as its damping, and the basis T of the superelement.
+    ///
+    /// # Errors
+    /// Returns an error if the matrix is not of the structure's size.
+    pub fn reduced(&self, structure: &Structure, full: &Matrix) -> Result<Matrix, Error> {
+        let order = self.basis.nrows();
+        if full.rows != order || full.columns != order {
+            return Err(Error::analysis(format!(
+                "a matrix has {} rows and {} columns; the structure has {order} degrees of freedom",
+                full.rows, full.columns
+            )));
+        }
+        let reduced = self.basis.transpose() * Sparse::new(full)?.times(self.basis.as_ref());
+        Ok(matrix(&reduced, self.freedoms(structure)))
+    }
+
+    fn freedoms(&self, structure: &Structure) -> Vec<Freedom> {
+        let last = structure.freedoms.iter().map(|freedom| freedom.node).max().unwrap_or(0);
+        let modes = (1..=self.modes.len() as u64)
+            .map(|mode| Freedom { node: last.saturating_add(mode), direction: 0 });
+        self.retained.iter().map(|&row| structure.freedoms[row]).chain(modes).collect()
+    }
+}
+
+/// A dense matrix with its entries that are not zero.
+fn matrix(dense: &Mat<f64>, freedoms: Vec<Freedom>) -> Matrix {
+    let places =
+        (0..dense.ncols()).flat_map(|column| (0..dense.nrows()).map(move |row| (row, column)));
+    let entries = places
+        .map(|(row, column)| Entry { row, column, value: dense[(row, column)] })
+        .filter(|entry| entry.value != 0.0);
+    Matrix {
+        name: None,
+        rows: dense.nrows(),
+        columns: dense.ncols(),
+        entries: entries.collect(),
+        symmetry: Symmetry::General,
+        freedoms: Some(freedoms),
+    }
 }
 
 /// Reduces a structure: static shapes of the retained degrees of freedom, and the modes with these held.
@@ -97,7 +152,9 @@ pub fn reduce(
         + mass_across.transposed().times(shapes.as_ref())
         + shapes.transpose() * &inertia;
     let coupling = modes.vectors.transpose() * &inertia;
-    let reduced = |block: &Mat<f64>, across: &dyn Fn(usize, usize) -> f64, modal: &dyn Fn(usize) -> f64| {
+    let reduced = |block: &Mat<f64>,
+                   across: &dyn Fn(usize, usize) -> f64,
+                   modal: &dyn Fn(usize) -> f64| {
         Mat::from_fn(held + kept, held + kept, |row, column| match (row < held, column < held) {
             (true, true) => 0.5 * (block[(row, column)] + block[(column, row)]),
             (false, true) => across(row - held, column),

@@ -39,7 +39,9 @@ impl Structure {
         let freedoms = freedoms
             .or_else(|| stiffness.freedoms.clone())
             .or_else(|| mass.freedoms.clone())
-            .unwrap_or_else(|| (1..=order as u64).map(|node| Freedom { node, direction: 0 }).collect());
+            .unwrap_or_else(|| {
+                (1..=order as u64).map(|node| Freedom { node, direction: 0 }).collect()
+            });
         if freedoms.len() != order {
             return Err(Error::analysis(format!(
                 "{} degrees of freedom are named, and the matrices have {order} rows; name each row once",
@@ -86,7 +88,9 @@ impl Structure {
                 all().max().unwrap_or(0)
             )));
         }
-        Ok((0..self.freedoms.len()).filter(|&row| sorted.contains(&self.freedoms[row].node)).collect())
+        Ok((0..self.freedoms.len())
+            .filter(|&row| sorted.contains(&self.freedoms[row].node))
+            .collect())
     }
 
     /// Each degree of freedom needs a mass: the bounds of eigenvalues are measured with the inverse of M.

@@ -7,8 +7,10 @@ use amontons_analysis::sweep::range::assignment;
 use amontons_cli::arguments::{Format, Values, named_grid};
 use amontons_cli::shards::ShardArguments;
 use amontons_export::package::Library;
+use amontons_matrices::Location;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use std::fs;
 use std::path::PathBuf;
 
 /// Friction contact dynamics as FMUs: will it squeal?
@@ -46,6 +48,8 @@ pub enum Command {
         #[command(subcommand)]
         command: Study,
     },
+    /// Reduce the matrices of a finite-element model to a superelement, with a certificate of its frequencies
+    Reduce(Reduce),
     /// Check an FMI 2.0 co-simulation FMU from any tool: archive, model description, libraries, a run
     Check(fmu_check::command::Arguments),
     /// Run the library of an unpacked FMU; `check` calls this
@@ -149,6 +153,97 @@ pub struct Accuracy {
     /// Draw the error over the computing time
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Reduce {
+    /// Stiffness matrix; NAME chooses one of a file that holds several (brake.mat#K)
+    #[arg(long, value_name = "FILE[#NAME]")]
+    pub stiffness: Location,
+    /// Mass matrix
+    #[arg(long, value_name = "FILE[#NAME]")]
+    pub mass: Location,
+    /// Another matrix of the structure, such as its damping, that is reduced with the same shapes to LABEL.mtx; it need not
+    /// be symmetric
+    #[arg(long, value_name = "LABEL=FILE[#NAME]", value_parser = labelled)]
+    pub also: Vec<(String, Location)>,
+    /// Node and direction of each row, if the matrices do not tell: a CSV file with the columns node,direction
+    #[arg(long, value_name = "FILE.csv")]
+    pub freedoms: Option<PathBuf>,
+    /// Nodes of the contacts, retained in all directions: a list such as 12,15,20:30, or @FILE with one in it
+    #[arg(long, value_name = "NODES", value_parser = nodes)]
+    pub contacts: Nodes,
+    /// Further nodes that are retained: those of loads, springs, outputs
+    #[arg(long, value_name = "NODES", value_parser = nodes)]
+    pub retain: Option<Nodes>,
+    /// Frequency up to which the superelement is to hold, Hz
+    #[arg(long, value_name = "HZ", value_parser = above_zero)]
+    pub frequency: f64,
+    /// Keep the modes that the structure has while the retained nodes are held up to this frequency, Hz [default: twice
+    /// --frequency]
+    #[arg(long, value_name = "HZ", value_parser = above_zero)]
+    pub modes_to: Option<f64>,
+    /// Memory for factors and vectors, GB
+    #[arg(long, value_name = "GB", value_parser = above_zero, default_value = "8")]
+    pub memory: f64,
+    /// Also write the motion of all rows for a unit of each coordinate, shapes.npy
+    #[arg(long)]
+    pub shapes: bool,
+    /// Folder of the results: stiffness.mtx, mass.mtx, freedoms.csv, certificate.json
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+}
+
+/// Numbers of nodes.
+#[derive(Clone, Debug)]
+pub struct Nodes(pub Vec<u64>);
+
+/// Parses `12,15,20:30` or `@FILE`, in which lines separate too.
+fn nodes(text: &str) -> Result<Nodes, String> {
+    let list = match text.strip_prefix('@') {
+        Some(path) => {
+            fs::read_to_string(path).map_err(|error| format!("cannot read {path}: {error}"))?
+        }
+        None => text.to_owned(),
+    };
+    let mut nodes = Vec::new();
+    for word in list.split([',', ' ', '\t', '\r', '\n']).filter(|word| !word.is_empty()) {
+        let (first, last) = word.split_once(':').unwrap_or((word, word));
+        match (first.parse::<u64>(), last.parse::<u64>()) {
+            (Ok(first), Ok(last)) if first <= last && last - first < MOST_NODES => {
+                nodes.extend(first..=last)
+            }
+            _ => {
+                return Err(format!(
+                    "`{word}` is neither the number of a node nor a range such as 20:30"
+                ));
+            }
+        }
+    }
+    if nodes.is_empty() { Err("names no node".into()) } else { Ok(Nodes(nodes)) }
+}
+
+/// The most nodes of a range; superelements of more would be no smaller than the structure.
+const MOST_NODES: u64 = 100_000;
+
+fn labelled(text: &str) -> Result<(String, Location), String> {
+    let (label, location) = text.split_once('=').ok_or("must be LABEL=FILE")?;
+    let is_name = !label.is_empty()
+        && label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    if !is_name || ["stiffness", "mass"].contains(&label) {
+        return Err(format!(
+            "`{label}` cannot name a file of the results; use letters and digits, and not stiffness or mass"
+        ));
+    }
+    let Ok(location) = location.parse();
+    Ok((label.to_owned(), location))
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("must be a number above zero".to_owned()),
+    }
 }
 
 /// In place of the scene's `[integrator]`.

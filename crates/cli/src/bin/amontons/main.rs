@@ -5,6 +5,7 @@ mod arguments;
 mod check;
 mod effects;
 mod export;
+mod reduce;
 mod reference;
 mod scenes;
 mod simulate;
@@ -38,6 +39,7 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Effects(arguments) => effects::run(arguments),
+        Command::Reduce(arguments) => reduce::run(arguments),
         Command::Check(arguments) => check::run(arguments),
         Command::RunLibrary(arguments) => Ok(fmu_check::command::run_in_process(arguments)?),
         Command::Study { command } => study::run(command),

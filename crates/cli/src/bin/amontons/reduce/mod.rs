@@ -1,0 +1,105 @@
+//! `amontons reduce`.
+
+mod table;
+
+use crate::arguments::Reduce;
+use amontons::Error;
+use amontons_analysis::output::AtomicFile;
+use amontons_analysis::watch::Watch;
+use amontons_cli::interrupt::watched;
+use amontons_cli::progress::Progress;
+use amontons_matrices::{open, read_freedoms, write_freedoms, write_matrix_market, write_npy};
+use amontons_structures::symmetric::{Request, Structure, Superelement, certify, reduce};
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use table::{Certified, Report};
+
+/// Shares of the work at which the reduction and the first certificate end.
+const SHARES: [f64; 2] = [0.4, 0.8];
+
+pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
+    let stiffness = open(&arguments.stiffness)?;
+    let mass = open(&arguments.mass)?;
+    let freedoms = arguments.freedoms.as_deref().map(read_freedoms).transpose()?;
+    let structure = Structure::new(&stiffness, &mass, freedoms)?;
+    let also = arguments.also.iter().map(|(label, at)| Ok((label, open(at)?)));
+    let also = also.collect::<Result<Vec<_>, amontons_matrices::Error>>()?;
+    let contacts = structure.rows_of(&arguments.contacts.0)?;
+    let mut retained = arguments.contacts.0.clone();
+    retained.extend(arguments.retain.iter().flat_map(|nodes| &nodes.0));
+    let request = Request {
+        retained: structure.rows_of(&retained)?,
+        modes_to: arguments.modes_to.unwrap_or(2.0 * arguments.frequency),
+        memory: bytes(arguments.memory),
+    };
+    let progress = Progress::in_uneven_parts("the reduction");
+    let found = watched(&progress, |watch| -> Result<_, Error> {
+        let part = |first: f64, last: f64| {
+            move |part: f64| (watch.progress)(first + (last - first) * part)
+        };
+        let [reduced, free] = SHARES;
+        let superelement =
+            reduce(&structure, &request, Watch { progress: &part(0.0, reduced), ..watch })?;
+        progress.say("the certificate of the free structure");
+        let frequency = arguments.frequency;
+        let memory = request.memory;
+        let watch_free = Watch { progress: &part(reduced, free), ..watch };
+        let free_modes = certify(&structure, &superelement, &[], frequency, memory, watch_free)?;
+        progress.say("the certificate with contacts stuck");
+        let watch_stuck = Watch { progress: &part(free, 1.0), ..watch };
+        let stuck_modes =
+            certify(&structure, &superelement, &contacts, frequency, memory, watch_stuck)?;
+        Ok((superelement, free_modes, stuck_modes))
+    });
+    let (superelement, free, stuck) = found?;
+    let report = Report::new(
+        &structure,
+        &superelement,
+        &request,
+        Certified::new(&free),
+        Certified::new(&stuck),
+    );
+    write_results(arguments, &structure, &superelement, &also, &report)?;
+    report.print(&mut std::io::stdout().lock())?;
+    println!("\nwritten to {}", arguments.output.display());
+    Ok(())
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn bytes(gigabytes: f64) -> usize {
+    (gigabytes * 1e9) as usize
+}
+
+fn write_results(
+    arguments: &Reduce,
+    structure: &Structure,
+    superelement: &Superelement,
+    also: &[(&String, amontons_matrices::Matrix)],
+    report: &Report,
+) -> Result<(), Error> {
+    let folder = &arguments.output;
+    fs::create_dir_all(folder).map_err(|error| Error::file(folder, &error))?;
+    let [stiffness, mass] = superelement.matrices(structure);
+    put(folder, "stiffness.mtx", write_matrix_market(&stiffness).as_bytes())?;
+    put(folder, "mass.mtx", write_matrix_market(&mass).as_bytes())?;
+    for (label, full) in also {
+        let reduced = superelement.reduced(structure, full)?;
+        put(folder, &format!("{label}.mtx"), write_matrix_market(&reduced).as_bytes())?;
+    }
+    let freedoms = stiffness.freedoms.unwrap_or_default();
+    put(folder, "freedoms.csv", write_freedoms(&freedoms).as_bytes())?;
+    if arguments.shapes {
+        let basis = &superelement.basis;
+        let values = (0..basis.ncols()).flat_map(|column| basis.col(column).iter().copied());
+        put(folder, "shapes.npy", &write_npy(basis.nrows(), basis.ncols(), values))?;
+    }
+    put(folder, "certificate.json", report.json().as_bytes())
+}
+
+fn put(folder: &Path, name: &str, content: &[u8]) -> Result<(), Error> {
+    let path = folder.join(name);
+    let mut file = AtomicFile::create(&path)?;
+    file.write_all(content).map_err(|error| Error::file(&path, &error))?;
+    file.complete()
+}
