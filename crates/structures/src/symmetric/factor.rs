@@ -29,8 +29,9 @@ impl Pattern {
             Side::Lower,
             SymmetricOrdering::Amd,
             CholeskySymbolicParams {
-                // One kind of factors to read the pivots from.
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                // One kind of factors to read the pivots from. FORCE_SUPERNODAL leaves out diagonal matrices, which need no
+                // operations to factor.
+                supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
                 supernodal_params: SymbolicSupernodalParams::default(),
                 ..CholeskySymbolicParams::default()
             },

@@ -9,7 +9,7 @@ use faer::{Mat, MatRef, Side};
 /// Vectors that are multiplied at once; eigenvalues that are this many times as many at one place are found together.
 const BLOCK: usize = 8;
 /// A vector has converged if its residual is below this part of its value.
-const CONVERGED: f64 = 1e-9;
+const CONVERGED: f64 = 1e-12;
 /// A vector with less than this part left after it was made orthogonal is lost to rounding.
 const LOST: f64 = 1e-10;
 
