@@ -8,6 +8,7 @@ mod builder;
 mod error;
 mod matrix;
 mod open;
+mod text;
 
 pub use error::{Error, Fault, Place};
 pub use matrix::{Entry, Freedom, Matrix, Symmetry};
