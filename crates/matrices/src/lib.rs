@@ -5,8 +5,17 @@
 //! its entries do.
 
 mod builder;
+mod compressed;
 mod error;
+pub mod harwell_boeing;
+pub mod mapping;
+pub mod mat;
+pub mod mat73;
 mod matrix;
+pub mod matrix_market;
+pub mod npy;
+pub mod npz;
+mod numbers;
 mod open;
 mod text;
 
