@@ -10,7 +10,7 @@
 //! - `*MATRIX, TYPE=STIFFNESS` or `MASS`, and its values in lines of up to four: of each column those from the first row to
 //!   the diagonal, or with `UNSYM` to the last row.
 //!
-//! Several elements are added up to the matrix of the structure, one for each type.
+//! Several elements are added up to the matrix of the structure, one for each type, without its zeros.
 //!
 //! Sources: Abaqus Keywords Guide, `*USER ELEMENT` and `*MATRIX`; Abaqus Output Guide, records 1011 to 1022, for the order.
 
@@ -89,6 +89,7 @@ impl Sum {
         let symmetry = if self.unsymmetric { Symmetry::General } else { Symmetry::Symmetric };
         let entries = self.values.into_iter();
         let entries: Vec<Labelled> = entries
+            .filter(|&(_, (value, _))| value != 0.0)
             .map(|((row, column), (value, line))| (row, column, value, Place::Line(line)))
             .collect();
         Ok(Matrix { name: Some(name), ..labelled::matrix(&entries, symmetry)? })

@@ -12,7 +12,6 @@ mod cards;
 mod compressed;
 pub mod dmig;
 mod error;
-mod error;
 pub mod harwell_boeing;
 mod labelled;
 pub mod mapping;

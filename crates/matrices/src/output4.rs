@@ -4,7 +4,7 @@
 //! (1 single, 2 double precision; 3 and 4 are complex), and its name. Then each column that is not zero has a record with
 //! its number, the first row, and a number of words of four bytes. A first row of 0 means strings of entries, each with a
 //! head: one word with 65536 (L + 1) + row, or, where the header states a negative number of rows or more than 65535 of
-//! them (BIGMAT), two words with L + 1 and the row, for L words of values. A record of column NCOL + 1 ends the matrix.
+//! them (BIGMAT), two words with L + 1 and the row, for L words of values. Zeros are left out. A record of column NCOL + 1 ends the matrix.
 //!
 //! The file does not tell degrees of freedom: the rows are in the order of the set of the matrix in Nastran, by node and
 //! then by direction for the G-set without scalar points.

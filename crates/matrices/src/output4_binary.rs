@@ -207,12 +207,10 @@ fn run(
         ));
     }
     for (index, value) in values.chunks_exact(size).enumerate() {
-        builder.push(
-            first + index,
-            column,
-            order.value(value),
-            Place::Offset(at + index * size),
-        )?;
+        let value = order.value(value);
+        if value != 0.0 {
+            builder.push(first + index, column, value, Place::Offset(at + index * size))?;
+        }
     }
     Ok(())
 }

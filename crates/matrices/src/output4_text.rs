@@ -165,7 +165,9 @@ where
                 .split_at_checked(format.width.min(rest.len()))
                 .ok_or_else(|| wrong(line, rest))?;
             let value = text::number(field).ok_or_else(|| wrong(line, field))?;
-            builder.push(first + found, column, value, Place::Line(line))?;
+            if value != 0.0 {
+                builder.push(first + found, column, value, Place::Line(line))?;
+            }
             found += 1;
             rest = after;
         }

@@ -6,7 +6,8 @@
 CalculiX (ccx) stores the stiffness and the mass matrix: tets.sti, tets.mas, tets.dof; and as a substructure of the nodes of the
 set KEPT: tets_substructure.mtx. The nodes of the set FIXED, which it holds, lie between them and node 1, so that the stiffness
 of the substructure is the block of the whole one. pyNastran writes DMIG in fields of 8 characters, and OUTPUT4
-as text; pyYeti writes DMIG in fields of 16 characters, and the other kinds of OUTPUT4. Needs numpy, pandas, scipy, pyNastran
+as text; pyYeti writes DMIG in fields of 16 characters, and the other kinds of OUTPUT4, but for that of single
+precision, which SciPy writes as Fortran records. Needs numpy, pandas, scipy, pyNastran
 and pyyeti.
 """
 
@@ -19,6 +20,7 @@ import numpy
 import pandas
 import pyyeti.nastran.bulk
 import pyyeti.nastran.op4
+import scipy.io
 import scipy.sparse
 from pyNastran.bdf.bdf import BDF
 from pyNastran.op4.op4 import OP4
@@ -84,6 +86,19 @@ def large_dmig(name, freedoms, matrices):
     pyyeti.nastran.bulk.wtdmig(str(HERE / name), frames)
 
 
+def single(path, name, matrix):
+    """Writes OUTPUT4 of single precision with dense columns as Fortran records of big-endian words."""
+    count = len(matrix)
+    with scipy.io.FortranFile(path, "w", header_dtype=">u4") as file:
+        header = numpy.array([count, count, 6, 1], ">i4").tobytes() + f"{name:8}".encode()
+        file.write_record(numpy.frombuffer(header, "u1"))
+        for column, values in enumerate(matrix.T, 1):
+            head = numpy.array([column, 1, count], ">i4").tobytes()
+            file.write_record(numpy.frombuffer(head + values.astype(">f4").tobytes(), "u1"))
+        end = numpy.array([count + 1, 1, 1], ">i4").tobytes() + numpy.array([1], ">f4").tobytes()
+        file.write_record(numpy.frombuffer(end, "u1"))
+
+
 def main():
     run(STORE, ["tets.sti", "tets.mas", "tets.dof"])
     run(SUBSTRUCTURE, ["tets_substructure.mtx"])
@@ -103,8 +118,7 @@ def main():
     write("text_strings", ["KAAX"], binary=False, digits=9, sparse="nonbigmat")
     write("text_bigmat", ["KAAX"], binary=False, digits=9, sparse="bigmat")
     write("dense", ["MAAX"], binary=True, endian="<", sparse="dense")
-    single = {"KNODE": (6, stiffness[:3, :3].astype(numpy.float32))}
-    OP4(debug=False).write_op4(str(HERE / "tets_single.op4"), single, is_binary=True, precision="single")
+    single(HERE / "tets_single.op4", "MAAX", mass)
     write("strings", list(both), binary=True, endian="<", sparse="nonbigmat")
     write("bigmat", ["KAAX"], binary=True, endian=">", sparse="bigmat")
 
