@@ -1,5 +1,7 @@
 //! A sparse matrix as a file gives it.
 
+use crate::Fault;
+
 /// An entry of a matrix. Rows and columns are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
@@ -43,10 +45,39 @@ pub struct Matrix {
     pub rows: usize,
     /// The number of columns.
     pub columns: usize,
-    /// The entries of both triangles, by column and then by row; no place has two. Zeros that the file states are kept.
+    /// The entries of both triangles, by column and then by row; no place has two. Zeros that the file states are kept, unless it states all
+    /// values.
     pub entries: Vec<Entry>,
     /// What the file says of its symmetry.
     pub symmetry: Symmetry,
     /// The degree of freedom of each row, if the file or its companion tells; then the matrix is square.
     pub freedoms: Option<Vec<Freedom>>,
+}
+
+impl Matrix {
+    /// The matrix with the degree of freedom of each row.
+    ///
+    /// # Errors
+    /// Returns a fault if their number is not that of rows and columns, or two are the
+    /// same.
+    pub(crate) fn with_freedoms(mut self, freedoms: Vec<Freedom>) -> Result<Self, Fault> {
+        let count = freedoms.len();
+        if self.rows != count || self.columns != count {
+            return Err(Fault::whole(format!(
+                "the file of degrees of freedom beside has {count} of them, but the matrix has {} rows and {} columns; write both files again \
+                 from one model",
+                self.rows, self.columns
+            )));
+        }
+        let mut sorted = freedoms.clone();
+        sorted.sort_unstable();
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            let Freedom { node, direction } = pair[0];
+            return Err(Fault::whole(format!(
+                "node {node} has the direction {direction} twice; each row needs a degree of freedom of its own"
+            )));
+        }
+        self.freedoms = Some(freedoms);
+        Ok(self)
+    }
 }

@@ -1,6 +1,9 @@
 //! From the name of a file to its matrices.
 
-use crate::{Error, Fault, Matrix};
+use crate::{
+    Error, Fault, Freedom, Matrix, abaqus, calculix, dmig, harwell_boeing, mapping, mat, mat73,
+    matrix_market, npy, npz, output4,
+};
 use std::convert::Infallible;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,8 +23,11 @@ impl FromStr for Location {
 
     fn from_str(text: &str) -> Result<Self, Infallible> {
         Ok(match text.rsplit_once('#') {
-            Some((path, name)) => Self { path: path.into(), name: Some(name.to_owned()) },
-            None => Self { path: text.into(), name: None },
+            // A `#` in the name of a folder.
+            Some((path, name)) if !name.contains(['/', '\\']) => {
+                Self { path: path.into(), name: Some(name.to_owned()) }
+            }
+            _ => Self { path: text.into(), name: None },
         })
     }
 }
@@ -33,42 +39,108 @@ impl FromStr for Location {
 /// several and the location names none.
 pub fn open(location: &Location) -> Result<Matrix, Error> {
     let path = &location.path;
-    let fault = |fault| Error::new(path, fault);
-    let content = fs::read(path)
-        .map_err(|error| fault(Fault::whole(format!("cannot read the file: {error}"))))?;
-    let matrices = read(path, &content).map_err(fault)?;
-    choose(matrices, location.name.as_deref()).map_err(fault)
-}
-
-/// Reads all matrices of a file with the reader of its extension.
-fn read(path: &Path, content: &[u8]) -> Result<Vec<Matrix>, Fault> {
+    let name = location.name.as_deref();
+    let content = bytes(path)?;
+    let content = &*content;
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let _ = content;
-    match &*extension {
-        _ => Err(Fault::whole(format!("the extension .{extension} belongs to no known format"))),
+    let read = match &*extension {
+        "mtx" if matrix_market::is_matrix_market(content) => matrix_market::read(content),
+        // Abaqus uses this extension too.
+        "mtx" => abaqus::read(content).and_then(|matrices| pick(matrices, name)),
+        "hb" | "rb" | "rua" | "rsa" | "rra" | "rza" | "matrix" | "stiff" | "mass" | "damp" => {
+            let freedoms = companion(path, ["mapping", "MAPPING"], mapping::read)?;
+            harwell_boeing::read(content).and_then(|matrix| match freedoms {
+                Some(freedoms) => matrix.with_freedoms(freedoms),
+                None => Ok(matrix),
+            })
+        }
+        "npy" => npy::read(content),
+        "npz" => npz::Archive::new(content).and_then(|mut archive| {
+            let name = choose(archive.names(), name)?.to_owned();
+            archive.read(&name)
+        }),
+        "mat" if mat73::is_hdf5(content) => {
+            mat73::File::new(content).and_then(|file| file.read(choose(file.names(), name)?))
+        }
+        "mat" => mat::File::new(content).and_then(|file| file.read(choose(file.names(), name)?)),
+        "sti" | "mas" => {
+            let freedoms = companion(path, ["dof", "DOF"], calculix::freedoms)?;
+            calculix::read(content).and_then(|matrix| match freedoms {
+                Some(freedoms) => matrix.with_freedoms(freedoms),
+                None => Ok(matrix),
+            })
+        }
+        "pch" | "dmig" | "bdf" => dmig::read(content).and_then(|matrices| pick(matrices, name)),
+        "op4" => output4::read(content).and_then(|matrices| pick(matrices, name)),
+        _ => Err(Fault::whole(format!(
+            "the extension .{extension} belongs to no known format; known are {KNOWN}"
+        ))),
+    };
+    let matrix = read.map_err(|fault| Error::new(path, fault))?;
+    match name {
+        Some(name) if matrix.name.is_none() => {
+            let message =
+                format!("the file holds one matrix, which has no name; leave out #{name}");
+            Err(Error::new(path, Fault::whole(message)))
+        }
+        _ => Ok(matrix),
     }
 }
 
-/// The matrix of this name, or the only one.
-fn choose(mut matrices: Vec<Matrix>, name: Option<&str>) -> Result<Matrix, Fault> {
-    let names = || -> String {
-        let names = matrices.iter().map(|matrix| matrix.name.as_deref().unwrap_or("(no name)"));
-        names.collect::<Vec<_>>().join(", ")
+/// The extensions of the formats, for messages.
+const KNOWN: &str = ".mtx (Matrix Market, Abaqus), .hb, .rb, .rua, .rsa, .matrix, .stiff, .mass and .damp (Harwell–Boeing, as HBMAT of \
+                     Ansys writes it), .npy and .npz (NumPy, SciPy), .mat (MATLAB), .sti and .mas (CalculiX), .pch, .dmig and .bdf (DMIG of Nastran), .op4 (OUTPUT4 of \
+                     Nastran)";
+
+fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    let fault = |error| Fault::whole(format!("cannot read the file: {error}"));
+    fs::read(path).map_err(|error| Error::new(path, fault(error)))
+}
+
+/// The degrees of freedom in the file of the same name with one of these extensions, if there is one.
+fn companion(
+    path: &Path,
+    extensions: [&str; 2],
+    read: impl Fn(&[u8]) -> Result<Vec<Freedom>, Fault>,
+) -> Result<Option<Vec<Freedom>>, Error> {
+    let mut paths = extensions.iter().map(|extension| path.with_extension(extension));
+    let Some(path) = paths.find(|path| path.exists()) else {
+        return Ok(None);
     };
-    let found = match name {
-        Some(name) => {
-            matrices.iter().position(|matrix| matrix.name.as_deref() == Some(name)).ok_or_else(
-                || Fault::whole(format!("there is no matrix {name}; there are: {}", names())),
-            )?
+    read(&bytes(&path)?).map(Some).map_err(|fault| Error::new(&path, fault))
+}
+
+/// Chooses the name of a matrix of a file that can hold several: this one, or the only one.
+fn choose<'a>(names: &'a [String], name: Option<&str>) -> Result<&'a str, Fault> {
+    match (name, names) {
+        (_, []) => Err(Fault::whole(
+            "there is no real matrix in the file; write one with two dimensions into it",
+        )),
+        (Some(name), _) => {
+            names.iter().map(|known| &**known).find(|known| *known == name).ok_or_else(|| {
+                Fault::whole(format!("there is no matrix {name}; there are: {}", names.join(", ")))
+            })
         }
-        None if matrices.len() == 1 => 0,
-        None if matrices.is_empty() => return Err(Fault::whole("there is no matrix in the file")),
-        None => {
-            return Err(Fault::whole(format!(
-                "there are several matrices: {}; choose one by its name after #, such as FILE#NAME",
-                names()
-            )));
+        (None, [only]) => Ok(only),
+        (None, _) => Err(Fault::whole(format!(
+            "there are several matrices: {}; choose one by its name after #, such as FILE#{}",
+            names.join(", "),
+            names[0]
+        ))),
+    }
+}
+
+/// The matrix of this name, or the only one, of those that a file holds.
+fn pick(mut matrices: Vec<Matrix>, name: Option<&str>) -> Result<Matrix, Fault> {
+    let names: Vec<String> =
+        matrices.iter().map(|matrix| matrix.name.clone().unwrap_or_default()).collect();
+    let chosen = match (name, &*names) {
+        // The caller tells that the only matrix has no name.
+        (Some(_), [only]) if only.is_empty() => 0,
+        _ => {
+            let chosen = choose(&names, name)?;
+            names.iter().position(|known| known == chosen).unwrap_or(0)
         }
     };
-    Ok(matrices.swap_remove(found))
+    Ok(matrices.swap_remove(chosen))
 }

@@ -1,0 +1,49 @@
+//! Matrices whose rows and columns are degrees of freedom.
+
+use crate::builder::Builder;
+use crate::{Fault, Freedom, Matrix, Place, Symmetry};
+use std::collections::HashSet;
+
+/// An entry as a file gives it: the degrees of freedom of its row and its column, its value, and its place.
+pub(crate) type Labelled = (Freedom, Freedom, f64, Place);
+
+/// The square matrix of these entries. Its rows are all degrees of freedom that occur, by node and then by direction.
+///
+/// # Errors
+/// Returns a fault as [`Builder`] does.
+pub(crate) fn matrix(entries: &[Labelled], symmetry: Symmetry) -> Result<Matrix, Fault> {
+    let freedoms = sorted(entries.iter().flat_map(|&(row, column, ..)| [row, column]));
+    let mut builder = Builder::new(freedoms.len(), freedoms.len(), symmetry);
+    for &(row, column, value, place) in entries {
+        builder.push(position(&freedoms, row), position(&freedoms, column), value, place)?;
+    }
+    Ok(Matrix { freedoms: Some(freedoms), ..builder.finish()? })
+}
+
+/// Degrees of freedom by node and then by direction, each once.
+pub(crate) fn sorted(freedoms: impl Iterator<Item = Freedom>) -> Vec<Freedom> {
+    let mut freedoms: Vec<Freedom> = freedoms.collect();
+    freedoms.sort_unstable();
+    freedoms.dedup();
+    freedoms
+}
+
+/// The index of a degree of freedom among sorted ones that contain it.
+pub(crate) fn position(freedoms: &[Freedom], freedom: Freedom) -> usize {
+    freedoms.partition_point(|&other| other < freedom)
+}
+
+/// What the places of entries say of the symmetry of a matrix whose file is silent on it: programs write one triangle of a
+/// symmetric matrix, so that no entry has a partner across the diagonal, and both triangles of any other one.
+pub(crate) fn symmetry<T: Copy + Eq + std::hash::Hash>(
+    places: impl Iterator<Item = (T, T)>,
+) -> Symmetry {
+    let mut seen = HashSet::new();
+    for (row, column) in places {
+        if row != column && seen.contains(&(column, row)) {
+            return Symmetry::General;
+        }
+        seen.insert((row, column));
+    }
+    Symmetry::Symmetric
+}
