@@ -220,6 +220,13 @@ impl Sparse {
         found.map_or(0.0, |at| self.values[range.start + at])
     }
 
+    /// a A.
+    #[must_use]
+    pub fn scaled(mut self, a: f64) -> Self {
+        self.values.iter_mut().for_each(|value| *value *= a);
+        self
+    }
+
     /// a A + b B, with an entry wherever A or B has one, even where the sum is zero: all sums of two matrices have the same
     /// places.
     ///

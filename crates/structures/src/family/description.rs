@@ -1,0 +1,275 @@
+//! The file that says of which matrices a structure is made.
+
+use crate::quadratic::Quadratic;
+use crate::sparse::Sparse;
+use amontons::Error;
+use amontons_matrices::{Freedom, Location, Matrix, open};
+use serde::Deserialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A structure M q̈ + C q̇ + K q = 0 whose matrices are sums of parts, each of which a file holds.
+#[derive(Clone, Debug)]
+pub struct Family {
+    parameter: Option<Parameter>,
+    parts: Vec<Part>,
+}
+
+/// What the matrices depend on.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameter {
+    /// Its name, for tables and pictures.
+    pub name: String,
+    /// Its unit.
+    #[serde(default)]
+    pub unit: String,
+    /// The value at which parts with a power stand as their files hold them.
+    #[serde(default = "one")]
+    pub reference: f64,
+    /// Its values, in the order in which modes are followed.
+    pub values: Vec<f64>,
+}
+
+/// The matrices of a structure at one value of its parameter, and the names of their rows if the files tell.
+pub struct Member {
+    /// The eigenvalue problem.
+    pub problem: Quadratic,
+    /// The degree of freedom of each row.
+    pub freedoms: Option<Vec<Freedom>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Description {
+    parameter: Option<Parameter>,
+    part: Vec<PartOfFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PartOfFile {
+    matrix: Kind,
+    file: Option<String>,
+    files: Option<Vec<String>>,
+    #[serde(default = "one")]
+    factor: f64,
+    #[serde(default)]
+    power: f64,
+}
+
+const fn one() -> f64 {
+    1.0
+}
+
+/// The matrix of which a file is a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    Mass,
+    /// What multiplies velocities: dampers and gyroscopic forces.
+    #[serde(alias = "gyroscopic")]
+    Damping,
+    /// What multiplies displacements: springs, circulatory and geometric forces.
+    #[serde(alias = "circulatory")]
+    Stiffness,
+}
+
+#[derive(Clone, Debug)]
+struct Part {
+    kind: Kind,
+    /// One for all values of the parameter, or one for each.
+    files: Vec<Location>,
+    factor: f64,
+    power: f64,
+}
+
+impl Family {
+    /// The structure of one mass matrix, one stiffness matrix and one damping matrix, or of several of each, which are added.
+    #[must_use]
+    pub fn of_files(mass: &[Location], damping: &[Location], stiffness: &[Location]) -> Self {
+        let kinds = [(Kind::Mass, mass), (Kind::Damping, damping), (Kind::Stiffness, stiffness)];
+        let parts = kinds.into_iter().flat_map(|(kind, files)| {
+            files.iter().map(move |file| Part {
+                kind,
+                files: vec![file.clone()],
+                factor: 1.0,
+                power: 0.0,
+            })
+        });
+        Self { parameter: None, parts: parts.collect() }
+    }
+
+    /// Reads a description; files in it are sought from its folder.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read or says something that cannot be.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = fs::read_to_string(path).map_err(|error| Error::file(path, &error))?;
+        let wrong = |what: String| Error::scene(format!("{}: {what}", path.display()));
+        let description: Description =
+            toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+        let folder = path.parent().map(PathBuf::from).unwrap_or_default();
+        Self::new(description, &folder).map_err(wrong)
+    }
+
+    fn new(description: Description, folder: &Path) -> Result<Self, String> {
+        let Description { parameter, part } = description;
+        let count = parameter.as_ref().map_or(1, |parameter| parameter.values.len());
+        if let Some(Parameter { name, reference, values, .. }) = &parameter {
+            if values.is_empty() || !values.iter().all(|value| value.is_finite()) {
+                return Err(format!("parameter.values of {name} must be a list of finite numbers"));
+            }
+            if !reference.is_normal() {
+                return Err(format!("parameter.reference = {reference} must be a number that is not 0"));
+            }
+        }
+        let mut parts = Vec::new();
+        for (number, part) in (1..).zip(part) {
+            let files = match (part.file, part.files) {
+                (Some(file), None) => vec![file],
+                (None, Some(files)) if files.len() == count && parameter.is_some() => files,
+                (None, Some(files)) => {
+                    return Err(format!(
+                        "part {number} has {} files and the parameter has {count} values; give one file for each value",
+                        files.len()
+                    ));
+                }
+                _ => return Err(format!("part {number} must have either file or files")),
+            };
+            if !part.factor.is_finite() || !part.power.is_finite() {
+                return Err(format!("factor and power of part {number} must be finite"));
+            }
+            if part.power != 0.0 && parameter.is_none() {
+                return Err(format!(
+                    "part {number} has a power, but there is no [parameter] of which it could be one"
+                ));
+            }
+            let files = files.iter().map(|file| {
+                let Ok(mut location) = file.parse::<Location>();
+                location.path = folder.join(location.path);
+                location
+            });
+            let files = files.collect();
+            parts.push(Part { kind: part.matrix, files, factor: part.factor, power: part.power });
+        }
+        for (kind, name) in [(Kind::Mass, "mass"), (Kind::Stiffness, "stiffness")] {
+            if !parts.iter().any(|part| part.kind == kind) {
+                return Err(format!("no part has matrix = \"{name}\"; a structure needs one"));
+            }
+        }
+        Ok(Self { parameter, parts })
+    }
+
+    /// What the matrices depend on; `None` if on nothing.
+    #[must_use]
+    pub const fn parameter(&self) -> Option<&Parameter> {
+        self.parameter.as_ref()
+    }
+
+    /// Takes other values of the parameter.
+    ///
+    /// # Errors
+    /// Returns an error if there is no parameter of this name, or if a part has a file for each of the old values.
+    pub fn set_values(&mut self, name: &str, values: Vec<f64>) -> Result<(), Error> {
+        let Some(parameter) = self.parameter.as_mut().filter(|parameter| parameter.name == name) else {
+            return Err(Error::argument(match &self.parameter {
+                Some(parameter) => format!("the matrices depend on {}, not on {name}", parameter.name),
+                None => format!("the matrices do not depend on {name}: there is no [parameter]"),
+            }));
+        };
+        if self.parts.iter().any(|part| part.files.len() > 1) {
+            return Err(Error::argument(format!(
+                "{name} has one file for each of its values, so no others can be given"
+            )));
+        }
+        parameter.values = values;
+        Ok(())
+    }
+
+    /// The number of members: one for each value of the parameter, or one.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.parameter.as_ref().map_or(1, |parameter| parameter.values.len())
+    }
+
+    /// Reads the files that all values of the parameter share.
+    ///
+    /// # Errors
+    /// Returns an error if one cannot be read.
+    pub fn load(&self) -> Result<Loaded<'_>, Box<dyn std::error::Error>> {
+        let shared = self.parts.iter().map(|part| match &*part.files {
+            [file] => open(file).map(Some),
+            _ => Ok(None),
+        });
+        Ok(Loaded { family: self, shared: shared.collect::<Result<_, _>>()? })
+    }
+}
+
+/// A family with the files that all its members share.
+pub struct Loaded<'a> {
+    family: &'a Family,
+    /// For each part, its matrix if it has one file.
+    shared: Vec<Option<Matrix>>,
+}
+
+impl Loaded<'_> {
+    /// The structure at the value of this place in the list.
+    ///
+    /// # Errors
+    /// Returns an error if a file cannot be read, or if the matrices are not square and of one size.
+    pub fn member(&self, place: usize) -> Result<Member, Box<dyn std::error::Error>> {
+        let mut sums = [const { None::<Sparse> }; 3];
+        let mut freedoms: Option<Vec<Freedom>> = None;
+        let relative = self
+            .family
+            .parameter
+            .as_ref()
+            .map_or(1.0, |parameter| parameter.values[place] / parameter.reference);
+        for (part, shared) in self.family.parts.iter().zip(&self.shared) {
+            let own;
+            let matrix = match shared {
+                Some(matrix) => matrix,
+                None => {
+                    own = open(&part.files[place])?;
+                    &own
+                }
+            };
+            freedoms = freedoms.or_else(|| matrix.freedoms.clone());
+            let factor = if part.power == 0.0 {
+                part.factor
+            } else {
+                part.factor * relative.powf(part.power)
+            };
+            if !factor.is_finite() {
+                return Err(Box::new(Error::argument(format!(
+                    "a part with the power {} has no finite factor at {relative} times the reference",
+                    part.power
+                ))));
+            }
+            let sum = &mut sums[part.kind as usize];
+            let matrix = Sparse::new(matrix)?;
+            if let Some(before) = sum
+                && [before.rows(), before.columns()] != [matrix.rows(), matrix.columns()]
+            {
+                return Err(Box::new(Error::argument(format!(
+                    "parts of one matrix have {} and {} rows; they must have as many",
+                    before.rows(),
+                    matrix.rows()
+                ))));
+            }
+            *sum = Some(match sum.take() {
+                Some(before) => before.sum(1.0, &matrix, factor),
+                None => matrix.scaled(factor),
+            });
+        }
+        let [mass, damping, stiffness] = sums;
+        let (mass, stiffness) =
+            (mass.expect("the description was checked"), stiffness.expect("likewise"));
+        let damping = match damping {
+            Some(damping) => damping,
+            None => Sparse::from_entries(mass.rows(), mass.columns(), [])?,
+        };
+        Ok(Member { problem: Quadratic::new(mass, damping, stiffness)?, freedoms })
+    }
+}

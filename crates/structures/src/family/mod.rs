@@ -1,0 +1,7 @@
+//! Structures whose matrices depend on one parameter, and their modes followed over it.
+
+mod description;
+mod follow;
+
+pub use description::{Family, Loaded, Member, Parameter};
+pub use follow::{Branch, Crossing, Point, follow};
