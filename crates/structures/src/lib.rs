@@ -1,3 +1,7 @@
 //! Structures of many degrees of freedom, given by sparse matrices.
 //!
 //! Quantities have the units of the matrices. Where a frequency is told in Hz, the unit of time of the matrices is a second.
+
+mod sparse;
+
+pub use sparse::Sparse;
