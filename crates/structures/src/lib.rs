@@ -2,6 +2,8 @@
 //!
 //! Quantities have the units of the matrices. Where a frequency is told in Hz, the unit of time of the matrices is a second.
 
+pub mod quadratic;
 mod sparse;
 
+pub use quadratic::Quadratic;
 pub use sparse::Sparse;
