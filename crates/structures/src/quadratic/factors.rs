@@ -1,8 +1,8 @@
 //! LU factors of P(λ) for one λ, with its determinant.
 
+use super::Determinant;
 use super::analysis::{Analysis, Supernode};
 use super::dense;
-use super::Determinant;
 use amontons::Error;
 use faer::c64;
 use std::f64::consts::{LN_2, PI};
@@ -75,7 +75,9 @@ impl<'a> Factors<'a> {
                 let pivot = self.values[supernode.offset + local * (rows + 1)];
                 let magnitude = pivot.norm();
                 if !(magnitude > 0.0 && magnitude.is_finite()) {
-                    return Err(Error::analysis("P(λ) has a zero pivot: λ is an eigenvalue, or the order of elimination meets a singular block"));
+                    return Err(Error::analysis(
+                        "P(λ) has a zero pivot: λ is an eigenvalue, or the order of elimination meets a singular block",
+                    ));
                 }
                 log += magnitude.ln();
                 phase += pivot.arg();
@@ -83,7 +85,8 @@ impl<'a> Factors<'a> {
         }
         // Powers of two have exact logarithms to the base 2, and their sum is exact.
         let exponents: f64 = self.scales.iter().flatten().map(|scale| scale.log2()).sum();
-        self.determinant = Determinant { log: log - exponents * LN_2, phase: phase.rem_euclid(2.0 * PI) };
+        self.determinant =
+            Determinant { log: log - exponents * LN_2, phase: phase.rem_euclid(2.0 * PI) };
         Ok(())
     }
 }
@@ -91,7 +94,8 @@ impl<'a> Factors<'a> {
 /// Writes the scaled entries of P(λ) to their places and returns the scales of its rows and columns.
 fn assemble(analysis: &Analysis, lambda: c64, values: &mut [c64]) -> [Vec<f64>; 2] {
     let size = analysis.order.len();
-    let value = |[mass, damping, stiffness]: [f64; 3]| (lambda * mass + damping) * lambda + stiffness;
+    let value =
+        |[mass, damping, stiffness]: [f64; 3]| (lambda * mass + damping) * lambda + stiffness;
     let entries: Vec<c64> = analysis.terms.iter().map(|term| value(term.coefficients)).collect();
     let magnitudes: Vec<f64> = entries.iter().map(|entry| entry.norm()).collect();
     let mut scales = [vec![1.0; size], vec![1.0; size]];

@@ -79,23 +79,37 @@ impl Quadratic {
         self.combine(factors, transposed, x)
     }
 
-    /// P′(λ) x = (2 λ M + C) x, or its transposed.
-    pub(super) fn derivative(&self, lambda: c64, transposed: bool, x: &[c64]) -> Vec<c64> {
-        self.combine([2.0 * lambda, c64::new(1.0, 0.0), c64::default()], transposed, x)
+    /// P′(λ) x = (2 λ M + C) x.
+    pub(super) fn derivative(&self, lambda: c64, x: &[c64]) -> Vec<c64> {
+        self.combine([2.0 * lambda, c64::new(1.0, 0.0), c64::default()], false, x)
+    }
+
+    /// − M v − C x, or with the matrices transposed.
+    pub(super) fn inertia(&self, transposed: bool, v: &[c64], x: &[c64]) -> Vec<c64> {
+        let factor = c64::new(-1.0, 0.0);
+        let mut y = self.combine([factor, c64::default(), c64::default()], transposed, v);
+        add(&self.damping, factor, transposed, x, &mut y);
+        y
     }
 
     /// (a M + b C + c K) x for the factors [a, b, c], or with the matrices transposed.
     fn combine(&self, factors: [c64; 3], transposed: bool, x: &[c64]) -> Vec<c64> {
         let mut y = vec![c64::default(); x.len()];
-        for (matrix, factor) in [&self.mass, &self.damping, &self.stiffness].into_iter().zip(factors)
-        {
-            if factor == c64::default() {
-            } else if transposed {
-                matrix.multiply_transposed(factor, x, &mut y);
-            } else {
-                matrix.multiply(factor, x, &mut y);
+        let matrices = [&self.mass, &self.damping, &self.stiffness];
+        for (matrix, factor) in matrices.into_iter().zip(factors) {
+            if factor != c64::default() {
+                add(matrix, factor, transposed, x, &mut y);
             }
         }
         y
+    }
+}
+
+/// Adds `factor` times the product with the matrix, or with its transposed, to y.
+fn add(matrix: &Sparse, factor: c64, transposed: bool, x: &[c64], y: &mut [c64]) {
+    if transposed {
+        matrix.multiply_transposed(factor, x, y);
+    } else {
+        matrix.multiply(factor, x, y);
     }
 }
