@@ -20,7 +20,7 @@ mod linearity_limit;
 pub mod locus;
 pub mod map;
 mod modes;
-pub(crate) mod parallel;
+pub mod parallel;
 mod state_energy;
 mod states;
 

@@ -31,7 +31,7 @@ pub fn is_on_this_thread() -> bool {
 
 /// `work(i)` for i below `count`, on all cores, in the order of i; `done` hears how many are done.
 /// After an error no new piece is begun; of several the first in the order of i is given.
-pub(crate) fn collect<T: Send + Clone>(
+pub fn collect<T: Send + Clone>(
     count: usize,
     work: &(dyn Fn(usize) -> Result<T, Error> + Sync),
     done: &(dyn Fn(usize) + Sync),

@@ -121,7 +121,9 @@ impl Family {
                 return Err(format!("parameter.values of {name} must be a list of finite numbers"));
             }
             if !reference.is_normal() {
-                return Err(format!("parameter.reference = {reference} must be a number that is not 0"));
+                return Err(format!(
+                    "parameter.reference = {reference} must be a number that is not 0"
+                ));
             }
         }
         let mut parts = Vec::new();
@@ -172,9 +174,12 @@ impl Family {
     /// # Errors
     /// Returns an error if there is no parameter of this name, or if a part has a file for each of the old values.
     pub fn set_values(&mut self, name: &str, values: Vec<f64>) -> Result<(), Error> {
-        let Some(parameter) = self.parameter.as_mut().filter(|parameter| parameter.name == name) else {
+        let Some(parameter) = self.parameter.as_mut().filter(|parameter| parameter.name == name)
+        else {
             return Err(Error::argument(match &self.parameter {
-                Some(parameter) => format!("the matrices depend on {}, not on {name}", parameter.name),
+                Some(parameter) => {
+                    format!("the matrices depend on {}, not on {name}", parameter.name)
+                }
                 None => format!("the matrices do not depend on {name}: there is no [parameter]"),
             }));
         };

@@ -43,9 +43,10 @@ impl Branch {
     /// Where the growth rate changes its sign.
     #[must_use]
     pub fn crossings(&self) -> Vec<Crossing> {
-        let pairs = self.points.windows(2).filter(|pair| {
-            (pair[0].eigenvalue.re > 0.0) != (pair[1].eigenvalue.re > 0.0)
-        });
+        let pairs = self
+            .points
+            .windows(2)
+            .filter(|pair| (pair[0].eigenvalue.re > 0.0) != (pair[1].eigenvalue.re > 0.0));
         pairs
             .map(|pair| {
                 let [before, after] = [pair[0].eigenvalue, pair[1].eigenvalue];

@@ -1,0 +1,237 @@
+//! Eigenvalues nearest to a shift by the Arnoldi method.
+
+use super::random;
+use super::shifted::{Shifted, norm};
+use amontons::Error;
+use amontons_analysis::watch::Watch;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, ColMut, ColRef, Mat, MatRef, Par, c64};
+
+/// The largest residual of a converged Ritz pair, relative to its Ritz value.
+const TOLERANCE: f64 = 1e-13;
+/// A new direction that is smaller than this, relative to the vector before its orthogonalisation, is rounding.
+const ROUNDING: f64 = 1e-14;
+/// The smallest part outside the span of the others that a given vector must have to be taken in.
+const DEPENDENT: f64 = 1e-6;
+
+/// An eigenvalue with its vector.
+pub(super) struct Pair {
+    pub(super) eigenvalue: c64,
+    /// Of 2-norm 1: P(λ) x = 0, or P(λ)ᵀ x = 0.
+    pub(super) vector: Vec<c64>,
+}
+
+/// All eigenvalues in a disc about the shift, as far as the method can see.
+pub(super) struct Nearest {
+    /// By distance from the shift.
+    pub(super) pairs: Vec<Pair>,
+    /// Up to this distance from the shift all Ritz values have converged; 0 if none has.
+    pub(super) radius: f64,
+    /// The number of solutions with the factors.
+    pub(super) solves: usize,
+}
+
+/// The wish of a caller.
+pub(super) struct Wish<'a> {
+    /// `true` for the vectors of Pᵀ.
+    pub(super) transposed: bool,
+    /// The radius that suffices.
+    pub(super) radius: f64,
+    /// The largest dimension of the Krylov space.
+    pub(super) dimension: usize,
+    /// The choice of the start vector.
+    pub(super) seed: u64,
+    /// Known pairs; the search begins orthogonal to them, so it finds others, and the result has both.
+    pub(super) known: &'a [Pair],
+}
+
+/// An orthonormal basis V and the projected operator H = Vᴴ S V.
+struct Space {
+    rows: usize,
+    /// By column.
+    basis: Vec<c64>,
+    projected: Mat<c64>,
+}
+
+/// Finds the eigenvalues nearest to the shift.
+///
+/// # Errors
+/// Returns an error if the work has been ended, or if the small eigenvalue problem cannot be solved.
+pub(super) fn nearest(shifted: &Shifted, wish: &Wish, watch: Watch) -> Result<Nearest, Error> {
+    let rows = 2 * shifted.problem.size();
+    let most = (wish.dimension + wish.known.len()).min(rows);
+    let mut space = Space { rows, basis: vec![], projected: Mat::zeros(most + 1, most) };
+    for pair in wish.known {
+        let mut z = shifted.extended(pair.eigenvalue, &pair.vector);
+        let before = norm(&z);
+        space.orthogonalise(&mut z);
+        if norm(&z) > DEPENDENT * before && space.columns() < most {
+            space.push(z);
+        }
+    }
+    let known = space.columns();
+    let mut solves = 0;
+    for column in 0..known {
+        let mut z = space.column(column).to_vec();
+        shifted.apply(wish.transposed, &mut z);
+        solves += 1;
+        for (row, value) in space.orthogonalise(&mut z).into_iter().enumerate() {
+            space.projected[(row, column)] = value;
+        }
+    }
+    let mut seed = wish.seed;
+    if known < most {
+        let start = fresh(shifted, wish.transposed, &space, &mut seed);
+        solves += 1;
+        space.push(start);
+    }
+    let mut check = known + 20;
+    loop {
+        let columns = space.columns();
+        let mut couple = 0.0;
+        if known < most {
+            watch.check()?;
+            let mut z = space.column(columns - 1).to_vec();
+            shifted.apply(wish.transposed, &mut z);
+            solves += 1;
+            let before = norm(&z);
+            for (row, value) in space.orthogonalise(&mut z).into_iter().enumerate() {
+                space.projected[(row, columns - 1)] = value;
+            }
+            couple = norm(&z);
+            if couple <= ROUNDING * before {
+                couple = 0.0;
+            }
+            if columns < most {
+                space.projected[(columns, columns - 1)] = c64::new(couple, 0.0);
+                if couple == 0.0 {
+                    z = fresh(shifted, wish.transposed, &space, &mut seed);
+                    solves += 1;
+                }
+                space.push(z);
+            }
+        }
+        let last = columns == most;
+        if last || (columns >= check && couple > 0.0) {
+            check = columns + 10.max((columns - known) / 4);
+            let whole = columns == rows;
+            let (ritz, radius) =
+                ritz(&space, shifted.shift, columns, if whole { 0.0 } else { couple })?;
+            let radius = if whole { f64::INFINITY } else { radius };
+            if last || radius >= wish.radius {
+                let pairs = space.pairs(shifted.problem.size(), columns, &ritz);
+                return Ok(Nearest { pairs, radius, solves });
+            }
+        }
+    }
+}
+
+/// A direction orthogonal to the space, in the range of the operator, so without parts of infinite eigenvalues.
+fn fresh(shifted: &Shifted, transposed: bool, space: &Space, seed: &mut u64) -> Vec<c64> {
+    let mut z = random::vector(*seed, space.rows);
+    *seed += 1;
+    shifted.apply(transposed, &mut z);
+    space.orthogonalise(&mut z);
+    z
+}
+
+/// Converged Ritz values by distance from the shift, each with its vector in the basis, and the radius in which all have
+/// converged. `couple` is the norm of the part of the operator that leaves the space.
+fn ritz(
+    space: &Space,
+    shift: c64,
+    columns: usize,
+    couple: f64,
+) -> Result<(Vec<(c64, Vec<c64>)>, f64), Error> {
+    let eigen =
+        space.projected.get(..columns, ..columns).eigen().map_err(|_| {
+            Error::analysis("the eigenvalues of the projected problem do not converge")
+        })?;
+    let values = eigen.S().column_vector();
+    let vectors = eigen.U();
+    let mut order: Vec<usize> = (0..columns).collect();
+    order.sort_by(|&a, &b| values[b].norm().total_cmp(&values[a].norm()));
+    let largest = order.first().map_or(0.0, |&index| values[index].norm());
+    let (mut found, mut radius) = (vec![], 0.0);
+    for index in order {
+        let (value, vector) = (values[index], vectors.col(index));
+        let norm = (0..columns).map(|row| vector[row].norm_sqr()).sum::<f64>().sqrt();
+        let residual = couple * vector[columns - 1].norm() / norm;
+        // Of infinite eigenvalues, or not a number.
+        if !(value.norm() > f64::EPSILON * largest && residual <= TOLERANCE * value.norm()) {
+            break;
+        }
+        let distance = value.inv();
+        radius = distance.norm();
+        found.push((shift + distance, (0..columns).map(|row| vector[row] / norm).collect()));
+    }
+    Ok((found, radius))
+}
+
+impl Space {
+    fn columns(&self) -> usize {
+        self.basis.len() / self.rows
+    }
+
+    fn column(&self, column: usize) -> &[c64] {
+        &self.basis[column * self.rows..][..self.rows]
+    }
+
+    fn matrix(&self) -> MatRef<'_, c64> {
+        MatRef::from_column_major_slice(&self.basis, self.rows, self.columns())
+    }
+
+    /// Appends a direction that is orthogonal to the others; its length is taken off.
+    fn push(&mut self, mut z: Vec<c64>) {
+        // Once more, since a short vector has lost digits.
+        let length = norm(&z);
+        z.iter_mut().for_each(|z| *z /= length);
+        self.orthogonalise(&mut z);
+        let length = norm(&z);
+        self.basis.extend(z.into_iter().map(|z| z / length));
+    }
+
+    /// Takes the parts along the basis off a vector, twice, and returns them.
+    fn orthogonalise(&self, z: &mut [c64]) -> Vec<c64> {
+        let mut parts = vec![c64::default(); self.columns()];
+        for _ in 0..2 {
+            let mut part = vec![c64::default(); self.columns()];
+            let basis = self.matrix();
+            matmul(
+                ColMut::from_slice_mut(&mut part).as_mat_mut(),
+                Accum::Replace,
+                basis.adjoint(),
+                ColRef::from_slice(z).as_mat(),
+                c64::new(1.0, 0.0),
+                Par::Seq,
+            );
+            matmul(
+                ColMut::from_slice_mut(z).as_mat_mut(),
+                Accum::Add,
+                basis,
+                ColRef::from_slice(&part).as_mat(),
+                c64::new(-1.0, 0.0),
+                Par::Seq,
+            );
+            parts.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        }
+        parts
+    }
+
+    /// The pairs of Ritz values: of the two halves of z, which are parallel, the longer one.
+    fn pairs(&self, size: usize, columns: usize, ritz: &[(c64, Vec<c64>)]) -> Vec<Pair> {
+        let small = Mat::from_fn(columns, ritz.len(), |row, column| ritz[column].1[row]);
+        let mut vectors = Mat::zeros(self.rows, ritz.len());
+        let basis = self.matrix().get(.., ..columns);
+        matmul(&mut vectors, Accum::Replace, basis, &small, c64::new(1.0, 0.0), Par::Seq);
+        let pair = |(column, (eigenvalue, _)): (usize, &(c64, Vec<c64>))| {
+            let z: Vec<c64> = vectors.col(column).iter().copied().collect();
+            let (x, v) = z.split_at(size);
+            let half = if norm(x) >= norm(v) { x } else { v };
+            let length = norm(half);
+            let vector = half.iter().map(|x| x / length).collect();
+            Pair { eigenvalue: *eigenvalue, vector }
+        };
+        ritz.iter().enumerate().map(pair).collect()
+    }
+}

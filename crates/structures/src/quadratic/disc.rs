@@ -1,0 +1,143 @@
+//! Modes in a disc about a shift, with their errors.
+
+use super::arnoldi::{Nearest, Pair, Wish, nearest};
+use super::shifted::{Shifted, norm};
+use super::{Mode, Quadratic};
+use amontons::Error;
+use amontons_analysis::watch::Watch;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, c64};
+
+/// The nearness of two eigenvalues, relative to their distance from the shift, from which on they are looked at together.
+/// That of a defective pair is the root of the rounding, and more for bad conditions.
+const NEAR: f64 = 1e-5;
+
+/// The view from one shift.
+#[derive(Clone)]
+pub(super) struct Disc {
+    pub(super) centre: c64,
+    /// All eigenvalues in this distance are among the modes, as far as the method can see.
+    pub(super) radius: f64,
+    /// By distance from the centre, with a non-negative imaginary part; that of a real one is 0.
+    pub(super) modes: Vec<Mode>,
+    /// The number of solutions with the factors.
+    pub(super) solves: usize,
+}
+
+/// How far apart computed values of one eigenvalue in a disc can be.
+pub(super) fn nearness(centre: c64, eigenvalue: c64) -> f64 {
+    NEAR * (eigenvalue - centre).norm()
+}
+
+/// Looks for modes about a shift. `bounds` tells to compute the left vectors as well, for bounds of the errors.
+///
+/// # Errors
+/// Returns an error if the work has been ended, or if a small eigenvalue problem cannot be solved.
+pub(super) fn look(
+    shifted: &Shifted,
+    wish: &Wish,
+    bounds: bool,
+    watch: Watch,
+) -> Result<Disc, Error> {
+    let centre = shifted.shift;
+    let found = nearest(shifted, wish, watch)?;
+    let mut solves = found.solves;
+    let left = if bounds {
+        let wish =
+            Wish { transposed: true, radius: wish.radius.min(found.radius), known: &[], ..*wish };
+        let left = nearest(shifted, &wish, watch)?;
+        solves += left.solves;
+        left.pairs
+    } else {
+        vec![]
+    };
+    let Nearest { pairs, radius, .. } = found;
+    let errors = bounds_of(shifted, &pairs, &left);
+    let modes = pairs.into_iter().zip(errors).map(|(pair, bound)| {
+        let backward = backward(shifted.problem, &pair);
+        Mode { eigenvalue: pair.eigenvalue, vector: pair.vector, backward, bound }
+    });
+    Ok(Disc { centre, radius, modes: fold(centre, radius, modes.collect()), solves })
+}
+
+/// The backward error of a pair.
+fn backward(problem: &Quadratic, pair: &Pair) -> f64 {
+    norm(&problem.apply(pair.eigenvalue, false, &pair.vector)) / problem.norm(pair.eigenvalue)
+}
+
+/// Bounds of the errors of the eigenvalues, to first order, for those that have as many left vectors as right ones.
+///
+/// Of one eigenvalue it is ‖y‖ ‖r‖ / |yᵀ P′ x|; of several near each other the numbers become the matrices of their vectors.
+fn bounds_of(shifted: &Shifted, right: &[Pair], left: &[Pair]) -> Vec<Option<f64>> {
+    let mut bounds = vec![None; right.len()];
+    let near = |a: c64, b: c64| (a - b).norm() <= nearness(shifted.shift, a);
+    for (number, pair) in right.iter().enumerate() {
+        let close = |other: &&Pair| near(pair.eigenvalue, other.eigenvalue);
+        let rights: Vec<&Pair> = right.iter().filter(close).collect();
+        let lefts: Vec<&Pair> = left.iter().filter(close).collect();
+        if rights.len() == lefts.len() {
+            bounds[number] = Some(bound(shifted.problem, &rights, &lefts));
+        }
+    }
+    bounds
+}
+
+/// The bound ‖(Yᵀ P′ X)⁻¹‖ ‖Y‖ ‖R‖ in Frobenius norms, with the columns x, y and P x.
+fn bound(problem: &Quadratic, right: &[&Pair], left: &[&Pair]) -> f64 {
+    let count = right.len();
+    let mut residual = 0.0;
+    let mut coupling = Mat::zeros(count, count);
+    for (column, x) in right.iter().enumerate() {
+        // A residual below the rounding of its own computing is not known.
+        let rounding = f64::EPSILON * problem.norm(x.eigenvalue);
+        residual += norm(&problem.apply(x.eigenvalue, false, &x.vector)).max(rounding).powi(2);
+        let change = problem.derivative(x.eigenvalue, &x.vector);
+        for (row, y) in left.iter().enumerate() {
+            coupling[(row, column)] = y.vector.iter().zip(&change).map(|(y, x)| y * x).sum::<c64>();
+        }
+    }
+    let inverse = coupling.partial_piv_lu().solve(Mat::<c64>::identity(count, count));
+    let bound = inverse.norm_l2() * ((count as f64) * residual).sqrt();
+    if bound.is_nan() { f64::INFINITY } else { bound }
+}
+
+/// Leaves out the lower one of each pair of conjugates and makes the others real that are next to the real axis: since the
+/// matrices are real, an eigenvalue without a conjugate is real.
+fn fold(centre: c64, radius: f64, modes: Vec<Mode>) -> Vec<Mode> {
+    let eigenvalues: Vec<c64> = modes.iter().map(|mode| mode.eigenvalue).collect();
+    let mut lower = vec![false; modes.len()];
+    let mut upper = vec![false; modes.len()];
+    for (number, &eigenvalue) in eigenvalues.iter().enumerate() {
+        if eigenvalue.im <= nearness(centre, eigenvalue) {
+            continue;
+        }
+        upper[number] = true;
+    }
+    for (number, &eigenvalue) in eigenvalues.iter().enumerate() {
+        if eigenvalue.im < -nearness(centre, eigenvalue) {
+            lower[number] = true;
+        } else if eigenvalue.im > 0.0 && !upper[number] {
+            let distance = |other: usize| (eigenvalues[other] - eigenvalue.conj()).norm();
+            let partner = (0..modes.len())
+                .filter(|&other| eigenvalues[other].im < 0.0 && !lower[other])
+                .min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+            if let Some(partner) = partner.filter(|&other| distance(other) < 0.5 * eigenvalue.im) {
+                (upper[number], lower[partner]) = (true, true);
+            }
+        }
+    }
+    let mut folded = vec![];
+    for (number, mut mode) in modes.into_iter().enumerate() {
+        if !upper[number] && !lower[number] {
+            // Its conjugate may be just outside the disc.
+            if (mode.eigenvalue.conj() - centre).norm() > radius {
+                continue;
+            }
+            mode.eigenvalue.im = 0.0;
+        }
+        if !lower[number] {
+            folded.push(mode);
+        }
+    }
+    folded
+}
