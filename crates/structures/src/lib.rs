@@ -7,4 +7,5 @@ pub mod quadratic;
 mod sparse;
 pub mod symmetric;
 
+pub use quadratic::Quadratic;
 pub use sparse::Sparse;

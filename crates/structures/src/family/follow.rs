@@ -22,6 +22,9 @@ pub struct Point {
     pub mode: usize,
     /// λ, 1/s.
     pub eigenvalue: c64,
+    /// `true` if the mode grows, `false` if it decays; `None` if its growth rate is within its error bound, or if that is
+    /// not known.
+    pub grows: Option<bool>,
     /// The modal assurance criterion with the vector at the value before, from 0 to 1; `None` at the first point.
     pub assurance: Option<f64>,
 }
@@ -40,7 +43,7 @@ pub struct Crossing {
 }
 
 impl Branch {
-    /// Where the growth rate changes its sign.
+    /// Where the growth rate changes its sign. Points at which it is not known whether the mode grows are left out.
     #[must_use]
     pub fn crossings(&self) -> Vec<Crossing> {
         let pairs = self
@@ -73,22 +76,22 @@ pub fn follow(modes: &[Vec<&Mode>]) -> Vec<Branch> {
         let mut similar = Vec::new();
         for (old, &branch) in before.iter().enumerate() {
             for (new, mode) in now.iter().enumerate() {
-                let assurance = assurance(&modes[value - 1][old].vector, &mode.vector);
+                let last = modes[value - 1][old];
+                let assurance = assurance(&last.vector, &mode.vector);
                 if assurance >= SAME {
-                    similar.push((assurance, branch, new));
+                    let closeness = assurance * alike(last.eigenvalue, mode.eigenvalue);
+                    similar.push((closeness, assurance, branch, new));
                 }
             }
         }
         similar.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut own: Vec<Option<usize>> = vec![None; now.len()];
         let mut taken = vec![false; branches.len()];
-        for (assurance, branch, new) in similar {
+        for (_, assurance, branch, new) in similar {
             if own[new].is_none() && !taken[branch] {
                 own[new] = Some(branch);
                 taken[branch] = true;
-                let eigenvalue = now[new].eigenvalue;
-                let point = Point { value, mode: new, eigenvalue, assurance: Some(assurance) };
-                branches[branch].points.push(point);
+                branches[branch].points.push(point(value, new, now[new], Some(assurance)));
             }
         }
         before = own
@@ -96,15 +99,35 @@ pub fn follow(modes: &[Vec<&Mode>]) -> Vec<Branch> {
             .enumerate()
             .map(|(new, branch)| {
                 branch.unwrap_or_else(|| {
-                    let eigenvalue = now[new].eigenvalue;
-                    let point = Point { value, mode: new, eigenvalue, assurance: None };
-                    branches.push(Branch { points: vec![point] });
+                    branches.push(Branch { points: vec![point(value, new, now[new], None)] });
                     branches.len() - 1
                 })
             })
             .collect();
     }
     branches
+}
+
+fn point(value: usize, place: usize, mode: &Mode, assurance: Option<f64>) -> Point {
+    Point { value, mode: place, eigenvalue: mode.eigenvalue, grows: grows(mode), assurance }
+}
+
+/// `true` if a mode grows, `false` if it decays; `None` if its growth rate is within its error bound, or if that is not known.
+#[must_use]
+pub fn grows(mode: &Mode) -> Option<bool> {
+    let rate = mode.eigenvalue.re;
+    mode.bound.filter(|bound| rate.abs() > *bound).map(|_| rate > 0.0)
+}
+
+/// How far the velocities of two modes of one shape agree with their displacements, from 0 to 1. Two eigenvalues can share a
+/// vector: a rigid body that a damper slows down has 0 and another one.
+fn alike(a: c64, b: c64) -> f64 {
+    let scale = a.norm_sqr().max(b.norm_sqr());
+    if scale == 0.0 {
+        return 1.0;
+    }
+    let product = a.conj() * b + scale;
+    product.norm_sqr() / ((a.norm_sqr() + scale) * (b.norm_sqr() + scale))
 }
 
 /// The modal assurance criterion |xᴴ y|² / (‖x‖² ‖y‖²): 1 for vectors of one shape, 0 for orthogonal ones.
@@ -120,7 +143,7 @@ mod tests {
 
     fn mode(re: f64, im: f64, vector: [f64; 3]) -> Mode {
         let vector = vector.map(|part| c64::new(part, 0.0)).to_vec();
-        Mode { eigenvalue: c64::new(re, im), vector, backward: 0.0, bound: None }
+        Mode { eigenvalue: c64::new(re, im), vector, backward: 0.0, bound: Some(1e-3) }
     }
 
     /// Two modes whose frequencies cross keep their shapes; a third leaves, and a fourth comes.
@@ -143,5 +166,19 @@ mod tests {
         assert_eq!((crossings[0].between, crossings[0].begins), ([1, 2], true));
         assert!((crossings[0].part - 1.0 / 3.0).abs() < 1e-15);
         assert!((crossings[0].frequency - (10.5 + 0.5 / 3.0)).abs() < 1e-13);
+    }
+
+    #[test]
+    fn modes_that_share_a_vector_are_told_apart_by_their_eigenvalues() {
+        let all = [
+            vec![mode(-20.0, 0.0, [1.0, 0.0, 0.0]), mode(0.0, 0.0, [1.0, 0.0, 0.0])],
+            vec![mode(1e-6, 0.0, [1.0, 0.0, 0.0]), mode(-40.0, 0.0, [1.0, 0.0, 0.0])],
+        ];
+        let lists: Vec<Vec<&Mode>> = all.iter().map(|modes| modes.iter().collect()).collect();
+        let branches = follow(&lists);
+        let ends: Vec<f64> = branches.iter().map(|branch| branch.points[1].eigenvalue.re).collect();
+        assert_eq!(ends, [-40.0, 1e-6]);
+        // 10⁻⁶ is within its error bound, so nothing begins to grow.
+        assert!(branches.iter().all(|branch| branch.crossings().is_empty()));
     }
 }

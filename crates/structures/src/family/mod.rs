@@ -4,4 +4,4 @@ mod description;
 mod follow;
 
 pub use description::{Family, Loaded, Member, Parameter};
-pub use follow::{Branch, Crossing, Point, follow};
+pub use follow::{Branch, Crossing, Point, follow, grows};

@@ -4,6 +4,7 @@ use amontons::Error;
 use amontons_analysis::sweep::range::{self, assignment, ends};
 use amontons_cli::arguments::{Format, Values, islands, named_grid, named_steps, steps};
 use amontons_cli::shards::ShardArguments;
+use amontons_matrices::Location;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -42,6 +43,8 @@ pub enum StabilityCommand {
     Bistable(Bistable),
     /// Stability map over two parameters: stable, candidate for bi-stability, unstable
     Map(Map),
+    /// Modes of matrices from files, without contacts: all in a rectangle of growth rates and frequencies, none missed
+    Matrices(Matrices),
     /// Put the pieces of all workers of a map together (--shard), tell what is missing, or write the map
     ///
     /// It may be run at any time and any number of times, while workers run or after they were killed, in the folder in
@@ -163,6 +166,39 @@ pub struct Map {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub shared: ShardArguments,
+}
+
+#[derive(Args)]
+pub struct Matrices {
+    /// A file (TOML) that says of which matrices the structure M q̈ + C q̇ + K q = 0 is made, and on which parameter they
+    /// depend [default: the matrices of --mass, --damping and --stiffness]
+    #[arg(value_name = "FILE.toml", conflicts_with_all = ["mass", "damping", "stiffness"])]
+    pub description: Option<PathBuf>,
+    /// A file of the mass matrix; NAME chooses one matrix of a file that holds several (brake.mat#M). Matrices of
+    /// several --mass are added
+    #[arg(long, value_name = "FILE[#NAME]")]
+    pub mass: Vec<Location>,
+    /// A file of what multiplies velocities: dampers, gyroscopic forces
+    #[arg(long, value_name = "FILE[#NAME]")]
+    pub damping: Vec<Location>,
+    /// A file of what multiplies displacements: springs, friction, circulatory forces
+    #[arg(long, value_name = "FILE[#NAME]")]
+    pub stiffness: Vec<Location>,
+    /// Other values of the description's parameter
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_steps, requires = "description")]
+    pub parameter: Option<(String, Values)>,
+    /// Growth rates between which modes are wanted, 1/s
+    #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
+    pub growth: [f64; 2],
+    /// Frequencies between which modes are wanted, Hz; from 0 includes modes that do not oscillate
+    #[arg(long, value_name = "A:B", value_parser = ends)]
+    pub frequency: [f64; 2],
+    /// Format of the output
+    #[arg(long, value_enum, default_value = "table")]
+    pub format: Format,
+    /// Draw growth rates and frequencies over the parameter, or growth rates over frequencies
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
 }
 
 fn time(text: &str) -> Result<f64, String> {

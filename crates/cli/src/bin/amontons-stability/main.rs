@@ -6,6 +6,7 @@ mod bistable;
 mod labels;
 mod locus;
 mod map;
+mod matrices;
 mod modes;
 mod states;
 
@@ -95,6 +96,7 @@ fn run(command: StabilityCommand, out: &mut dyn Write) -> Result<(), Failure> {
         StabilityCommand::Modes(arguments) => modes::run(&arguments, out),
         StabilityCommand::Bistable(arguments) => bistable::run(&arguments, out),
         StabilityCommand::Map(arguments) => map::run(&arguments, out),
+        StabilityCommand::Matrices(arguments) => matrices::run(&arguments, out),
         StabilityCommand::Merge(Merge { folder }) => merge(&folder, out),
     }
 }

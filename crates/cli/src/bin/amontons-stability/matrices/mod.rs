@@ -1,0 +1,104 @@
+//! `amontons-stability matrices`.
+
+mod chart;
+mod found;
+mod table;
+
+use crate::Failure;
+use crate::arguments::Matrices;
+use amontons_analysis::watch::Watch;
+use amontons_cli::arguments::Format;
+use amontons_cli::interrupt::watched;
+use amontons_cli::progress::Progress;
+use amontons_pictures::picture;
+use amontons_structures::family::Family;
+use amontons_structures::quadratic::{Options, Rectangle, count, eigenvalues};
+use found::{Found, Place};
+use std::f64::consts::TAU;
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+/// The share of the work at one value that the search takes.
+const SEARCH: f64 = 0.5;
+
+pub fn run(arguments: &Matrices, out: &mut dyn Write) -> Result<(), Failure> {
+    arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
+    let family = family(arguments)?;
+    let [lowest, highest] = arguments.frequency;
+    let rectangle = Rectangle::new(arguments.growth, [TAU * lowest, TAU * highest])?;
+    let loaded = family.load()?;
+    let progress = Progress::in_uneven_parts("the search for eigenvalues");
+    let (mut searched, mut counted) = (Work::default(), Work::default());
+    let mut look = |place: usize, watch: Watch<'_>| -> Result<Place, Failure> {
+        let member = loaded.member(place)?;
+        let begun = Instant::now();
+        let first = |part: f64| (watch.progress)(SEARCH * part);
+        let watch_search = Watch { progress: &first, ..watch };
+        let options = Options::default();
+        let eigenvalues = eigenvalues(&member.problem, &rectangle, &options, watch_search)?;
+        searched.add(begun, eigenvalues.factorizations);
+        let begun = Instant::now();
+        let second = |part: f64| (watch.progress)(SEARCH + (1.0 - SEARCH) * part);
+        let watch_count = Watch { progress: &second, ..watch };
+        let count = count(&member.problem, &rectangle, &eigenvalues.found(), watch_count)?;
+        counted.add(begun, count.factorizations);
+        Ok(Place::new(eigenvalues, count, member.problem.size()))
+    };
+    #[allow(clippy::cast_precision_loss)]
+    let places = watched(&progress, |watch| -> Result<Vec<Place>, Failure> {
+        let values = family.count() as f64;
+        let at = |place: usize| {
+            let shown = |part: f64| (watch.progress)((place as f64 + part) / values);
+            look(place, Watch { progress: &shown, ..watch })
+        };
+        (0..family.count()).map(at).collect()
+    })?;
+    eprintln!("note: {searched} to find the modes, {counted} to count them");
+    let found = Found::new(&family, arguments.growth, arguments.frequency, &places);
+    match arguments.format {
+        Format::Table => table::print(&found, out)?,
+        Format::Csv => table::print_csv(&found, out)?,
+        Format::Json => writeln!(out, "{}", found.json())?,
+    }
+    match &arguments.plot {
+        Some(path) => Ok(chart::chart(&found).write(path)?),
+        None => Ok(()),
+    }
+}
+
+/// The structure of the command line.
+fn family(arguments: &Matrices) -> Result<Family, Failure> {
+    let Some(path) = &arguments.description else {
+        if arguments.mass.is_empty() || arguments.stiffness.is_empty() {
+            return Err(Failure::Usage(
+                "give a file that describes the structure, or its matrices with --mass and --stiffness".into(),
+            ));
+        }
+        return Ok(Family::of_files(&arguments.mass, &arguments.damping, &arguments.stiffness));
+    };
+    let mut family = Family::read(path)?;
+    if let Some((name, values)) = &arguments.parameter {
+        family.set_values(name, values.0.clone())?;
+    }
+    Ok(family)
+}
+
+/// Factorisations, and the time of the work that they belong to.
+#[derive(Default)]
+struct Work {
+    factorizations: usize,
+    time: Duration,
+}
+
+impl Work {
+    fn add(&mut self, begun: Instant, factorizations: usize) {
+        self.time += begun.elapsed();
+        self.factorizations += factorizations;
+    }
+}
+
+impl std::fmt::Display for Work {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.2} s with {} factorisations", self.time.as_secs_f64(), self.factorizations)
+    }
+}
