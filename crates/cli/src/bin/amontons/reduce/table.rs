@@ -1,5 +1,6 @@
 //! What `amontons reduce` says of a superelement, as text and as JSON.
 
+use amontons::decimal::to_significant;
 use amontons_structures::symmetric::{Certificate, Request, Structure, Superelement, frequency};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -48,7 +49,7 @@ impl Certified {
             largest_relative_error: certificate.error(mode),
         });
         Self {
-            counted_below_hz: certificate.limit,
+            counted_below_hz: to_significant(certificate.limit, 12),
             full_count: certificate.full,
             superelement_count: certificate.reduced,
             is_complete: certificate.is_complete(),
