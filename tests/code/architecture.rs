@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The sources of each package, and its modules in order.
-const PACKAGES: [(&str, &[&str]); 4] = [
+const PACKAGES: [(&str, &[&str]); 5] = [
     (
         "src",
         &[
@@ -45,6 +45,7 @@ const PACKAGES: [(&str, &[&str]); 4] = [
             "study",
         ],
     ),
+    ("crates/structures/src", &["sparse", "symmetric", "quadratic", "family"]),
     ("crates/pictures/src", &["picture", "report"]),
     ("crates/export/src", &["scene", "feedthrough", "package", "documentation"]),
 ];

@@ -1,5 +1,14 @@
 //! Structures of many degrees of freedom, given by sparse matrices.
 //!
+//! A module imports only from those above it:
+//!
+//! | module | contents |
+//! | --- | --- |
+//! | `sparse` | sparse matrices by columns |
+//! | [`symmetric`] | undamped structures: modes with bounds, superelements with a certificate |
+//! | [`quadratic`] | complex eigenvalues in a rectangle, and a count that shows that none is missing |
+//! | [`family`] | matrices that depend on a parameter, and their modes followed over it |
+//!
 //! Quantities have the units of the matrices. Where a frequency is told in Hz, the unit of time of the matrices is a second.
 
 pub mod family;
