@@ -5,6 +5,7 @@
 
 use crate::compressed::Compressed;
 use crate::numbers::{Kind, Numbers, decompressed_limit, dense, inflate};
+use crate::text::quote;
 use crate::{Fault, Matrix, Place, Symmetry};
 use flate2::read::ZlibDecoder;
 use std::borrow::Cow;
@@ -90,11 +91,12 @@ impl<'a> File<'a> {
     /// Returns a fault if there is none, or it is wrong.
     pub fn read(&self, name: &str) -> Result<Matrix, Fault> {
         let found = self.names.iter().position(|known| known == name);
-        let found = found.ok_or_else(|| Fault::whole(format!("there is no matrix {name}")))?;
+        let found =
+            found.ok_or_else(|| Fault::whole(format!("there is no matrix {}", quote(name))))?;
         let (offset, compressed, data) = self.variables[found];
         let at = |fault: Fault| Fault {
             place: Place::Offset(offset),
-            message: format!("in the matrix {name}: {}", fault.message),
+            message: format!("in the matrix {}: {}", quote(name), fault.message),
         };
         let inflated;
         let body = if compressed {

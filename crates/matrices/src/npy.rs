@@ -82,8 +82,8 @@ impl<'a> Array<'a> {
     pub(crate) fn matrix(&self) -> Result<Matrix, Fault> {
         let &[rows, columns] = &*self.shape else {
             return Err(Fault::whole(format!(
-                "the array has the shape {:?}; a matrix has two dimensions",
-                self.shape
+                "the array has {} dimensions; a matrix has two",
+                self.shape.len()
             )));
         };
         let numbers = self.numbers()?;

@@ -62,7 +62,8 @@ impl<'a> Archive<'a> {
     fn member(&mut self, name: &str) -> Result<Vec<u8>, Fault> {
         let fault = |error: &dyn std::fmt::Display| {
             Fault::whole(format!(
-                "the member {name}.npy cannot be read: {error}; write the file again"
+                "the member {} cannot be read: {error}; write the file again",
+                quote(name)
             ))
         };
         let file = self.zip.by_name(&format!("{name}.npy")).map_err(|error| fault(&error))?;
@@ -89,9 +90,9 @@ impl<'a> Archive<'a> {
         let sizes: Option<Vec<_>> =
             shape.iter().map(|&length| usize::try_from(length).ok()).collect();
         let Some(&[rows, columns]) = sizes.as_deref() else {
-            return Err(Fault::whole(format!(
-                "the member shape.npy has {shape:?}; it must have numbers of rows and columns"
-            )));
+            return Err(Fault::whole(
+                "the member shape.npy must hold two numbers, those of rows and columns",
+            ));
         };
         let values = self.member("data")?;
         let values: Vec<_> = Array::parse(&values)?.numbers()?.reals().collect();

@@ -1,5 +1,6 @@
 //! From the name of a file to its matrices.
 
+use crate::text::quote;
 use crate::{
     Error, Fault, Freedom, Matrix, harwell_boeing, mapping, mat, mat73, matrix_market, npy, npz,
 };
@@ -81,7 +82,7 @@ pub fn open(location: &Location) -> Result<Matrix, Error> {
 }
 
 /// The extensions of the formats, for messages.
-const KNOWN: &str = ".mtx (Matrix Market), .hb, .rb, .rua, .rsa, .matrix, .stiff, .mass and .damp (Harwell–Boeing, as HBMAT of \
+const KNOWN: &str = ".mtx (Matrix Market), .hb, .rb, .rua, .rsa, .rra, .rza, .matrix, .stiff, .mass and .damp (Harwell–Boeing, as HBMAT of \
                      Ansys writes it), .npy and .npz (NumPy, SciPy), .mat (MATLAB)";
 
 fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
@@ -104,20 +105,25 @@ fn companion(
 
 /// Chooses the name of a matrix of a file that can hold several: this one, or the only one.
 fn choose<'a>(names: &'a [String], name: Option<&str>) -> Result<&'a str, Fault> {
+    let list = || -> String {
+        let shown: Vec<_> = names.iter().take(20).map(|name| quote(name)).collect();
+        let more = if names.len() > shown.len() { " and more" } else { "" };
+        shown.join(", ") + more
+    };
     match (name, names) {
         (_, []) => Err(Fault::whole(
             "there is no real matrix in the file; write one with two dimensions into it",
         )),
         (Some(name), _) => {
-            names.iter().map(|known| &**known).find(|known| *known == name).ok_or_else(|| {
-                Fault::whole(format!("there is no matrix {name}; there are: {}", names.join(", ")))
+            let found = names.iter().find(|known| *known == name);
+            found.map(|name| &**name).ok_or_else(|| {
+                Fault::whole(format!("there is no matrix {}; there are {}", quote(name), list()))
             })
         }
         (None, [only]) => Ok(only),
         (None, _) => Err(Fault::whole(format!(
-            "there are several matrices: {}; choose one by its name after #, such as FILE#{}",
-            names.join(", "),
-            names[0]
+            "there are several matrices: {}; choose one by its name after #, as in FILE#NAME",
+            list()
         ))),
     }
 }

@@ -1,0 +1,211 @@
+//! Damaged files of all formats: no reader panics, gives an entry outside of its matrix, or takes more memory than the file
+//! justifies.
+//!
+//! `cargo test --release -p amontons-matrices --test mutated -- --ignored --nocapture` reads 100,000 of each format.
+//! `AMONTONS_SEED` chooses them; it is the time unless given, and is printed.
+#![expect(unsafe_code, reason = "an allocator that counts")]
+
+mod damage;
+mod memory;
+
+use amontons_matrices::{Fault, Matrix, Place};
+use amontons_matrices::{harwell_boeing, mapping, mat, mat73, matrix_market, npy, npz};
+use damage::{Random, damage};
+use memory::{Counting, peak};
+use std::io::{Cursor, Read, Write};
+use std::panic::catch_unwind;
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::{SystemTime, UNIX_EPOCH};
+use std::{env, fs};
+use zip::CompressionMethod;
+use zip::write::SimpleFileOptions;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// A reader that is tried, and the files in `tests/data` that are damaged for it.
+struct Reader {
+    name: &'static str,
+    files: &'static [&'static str],
+    read: fn(&[u8]) -> Result<Vec<Matrix>, Fault>,
+}
+
+const READERS: &[Reader] = &[
+    Reader {
+        name: "Matrix Market",
+        files: &["A.mtx", "K.mtx", "A_array.mtx", "K_array.mtx"],
+        read: |content| matrix_market::read(content).map(|matrix| vec![matrix]),
+    },
+    Reader {
+        name: "Harwell–Boeing",
+        files: &["A.rua", "K.matrix"],
+        read: |content| harwell_boeing::read(content).map(|matrix| vec![matrix]),
+    },
+    Reader {
+        name: "mapping of Ansys",
+        files: &["K.mapping"],
+        read: |content| mapping::read(content).map(|_| Vec::new()),
+    },
+    Reader {
+        name: "NumPy",
+        files: &["A.npy", "A_fortran.npy"],
+        read: |content| npy::read(content).map(|matrix| vec![matrix]),
+    },
+    Reader {
+        name: "NumPy archive",
+        files: &["A_csc.npz", "A_csr.npz", "A_coo.npz", "A_bsr.npz", "dense.npz"],
+        read: read_archive,
+    },
+    Reader {
+        name: "members of a NumPy archive",
+        files: &["A_csc.npz", "A_csr.npz", "A_coo.npz", "A_bsr.npz", "dense.npz"],
+        read: |content| read_archive(&with_checksums(content)),
+    },
+    Reader {
+        name: "MATLAB, level 5",
+        files: &["v6.mat", "v7.mat", "big_endian.mat"],
+        read: |content| {
+            let file = mat::File::new(content)?;
+            file.names().iter().map(|name| file.read(name)).collect()
+        },
+    },
+    Reader {
+        name: "MATLAB, version 7.3",
+        files: &["v73.mat"],
+        read: |content| {
+            let file = mat73::File::new(content)?;
+            file.names().iter().map(|name| file.read(name)).collect()
+        },
+    },
+];
+
+fn read_archive(content: &[u8]) -> Result<Vec<Matrix>, Fault> {
+    let mut archive = npz::Archive::new(content)?;
+    let names = archive.names().to_owned();
+    names.iter().map(|name| archive.read(name)).collect()
+}
+
+/// The content of all members of an archive, one after another, each after its name and length in lines of text: damage to it
+/// has no checksum to pass.
+fn without_checksums(content: &[u8]) -> Vec<u8> {
+    let mut zip = zip::ZipArchive::new(Cursor::new(content)).unwrap();
+    let mut plain = Vec::new();
+    for index in 0..zip.len() {
+        let mut file = zip.by_index(index).unwrap();
+        let mut member = Vec::new();
+        file.read_to_end(&mut member).unwrap();
+        writeln!(plain, "{}\n{}", file.name().unwrap(), member.len()).unwrap();
+        plain.extend(member);
+    }
+    plain
+}
+
+/// An archive of these members, as far as their names and lengths can be read.
+fn with_checksums(mut plain: &[u8]) -> Vec<u8> {
+    fn line<'a>(plain: &mut &'a [u8]) -> Option<&'a str> {
+        let end = plain.iter().position(|&byte| byte == b'\n')?;
+        let line = std::str::from_utf8(&plain[..end]).ok()?;
+        *plain = &plain[end + 1..];
+        Some(line)
+    }
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    while let Some(name) = line(&mut plain) {
+        let Some(length) = line(&mut plain).and_then(|length| length.parse::<usize>().ok()) else {
+            break;
+        };
+        let (member, rest) = plain.split_at(length.min(plain.len()));
+        plain = rest;
+        let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+        if zip.start_file(name, options).is_err() {
+            break;
+        }
+        zip.write_all(member).unwrap();
+    }
+    zip.finish().unwrap().into_inner()
+}
+
+/// Reads a damaged content and judges the result.
+fn try_once(reader: &Reader, content: &[u8]) {
+    let (result, taken) = peak(|| (reader.read)(content));
+    assert!(
+        taken <= (64 << 20) + 64 * content.len(),
+        "{taken} bytes for a file of {}",
+        content.len()
+    );
+    match result {
+        Ok(matrices) => matrices.iter().for_each(judge),
+        Err(Fault { place, message }) => {
+            assert!(!message.is_empty() && message.len() < 1000, "a message of {}", message.len());
+            match place {
+                Place::Line(line) => {
+                    assert!(line >= 1 && line <= content.len() + 1, "line {line}: {message}");
+                }
+                Place::Offset(offset) => {
+                    assert!(offset <= content.len(), "byte {offset}: {message}");
+                }
+                Place::Whole => {}
+            }
+        }
+    }
+}
+
+fn judge(matrix: &Matrix) {
+    for entry in &matrix.entries {
+        assert!(entry.row < matrix.rows && entry.column < matrix.columns, "{entry:?}");
+        assert!(entry.value.is_finite(), "{entry:?}");
+    }
+    let order = matrix.entries.is_sorted_by(|a, b| (a.column, a.row) < (b.column, b.row));
+    assert!(order, "entries are out of order, or twice");
+    if let Some(freedoms) = &matrix.freedoms {
+        assert_eq!((freedoms.len(), freedoms.len()), (matrix.rows, matrix.columns));
+    }
+}
+
+/// Damages files for each reader so many times.
+fn mutate(count: u64) {
+    static ALONE: Mutex<()> = Mutex::new(());
+    // The memory of one test is counted at a time.
+    let _alone = ALONE.lock();
+    let seed = match env::var("AMONTONS_SEED") {
+        Ok(seed) => seed.parse().unwrap(),
+        Err(_) => SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs(),
+    };
+    println!("AMONTONS_SEED={seed}");
+    for reader in READERS {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+        let mut contents: Vec<_> =
+            reader.files.iter().map(|file| fs::read(folder.join(file)).unwrap()).collect();
+        if reader.name.starts_with("members") {
+            contents = contents.iter().map(|content| without_checksums(content)).collect();
+        }
+        for content in &contents {
+            try_once(reader, content);
+        }
+        for index in 0..count {
+            let mut random = Random(seed ^ index.wrapping_mul(0xd134_2543_de82_ef95));
+            let mut content = contents[random.below(contents.len())].clone();
+            let other = &contents[random.below(contents.len())];
+            for _ in 0..=random.below(3) {
+                damage(&mut content, other, &mut random);
+            }
+            let outcome = catch_unwind(|| try_once(reader, &content));
+            assert!(
+                outcome.is_ok(),
+                "{}: AMONTONS_SEED={seed} makes damaged file {index} fail",
+                reader.name
+            );
+        }
+    }
+}
+
+#[test]
+fn damaged_files_are_read_or_refused() {
+    mutate(300);
+}
+
+#[test]
+#[ignore = "long"]
+fn many_damaged_files_are_read_or_refused() {
+    mutate(100_000);
+}
