@@ -4,7 +4,7 @@
 //! the data. A variable is an element of elements (flags, dimensions, name, data), which can be compressed.
 
 use crate::compressed::Compressed;
-use crate::numbers::{Kind, Numbers, decompressed_limit, dense, inflate};
+use crate::numbers::{Kind, Numbers, decompressed_limit, dense, inflate, within};
 use crate::text::quote;
 use crate::{Fault, Matrix, Place, Symmetry};
 use flate2::read::ZlibDecoder;
@@ -130,9 +130,9 @@ impl<'a> File<'a> {
         };
         let mut rest = variable.rest;
         let mut part = |name| {
-            element(&mut rest, big_endian)
-                .and_then(|(kind, data)| numbers(kind, data, big_endian))
-                .ok_or_else(|| wrong(name))
+            let found = element(&mut rest, big_endian)
+                .and_then(|(kind, data)| numbers(kind, data, big_endian));
+            within(self.limit, found.ok_or_else(|| wrong(name))?)
         };
         if variable.class != SPARSE {
             let values = part("values")?;

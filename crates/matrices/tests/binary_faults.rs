@@ -180,16 +180,40 @@ fn wrong_archives_are_refused() {
 }
 
 #[test]
-fn archives_that_decompress_beyond_the_limit_are_refused() {
-    let content = archive(&[("A", &array(&header("|i1", "(1, 20000000)"), &vec![0; 20_000_000]))]);
-    let limit = (16 << 20) + 64 * content.len();
-    assert!(limit < 20_000_000, "{limit}");
+fn parts_that_decompress_beyond_the_limit_are_refused() {
+    let message = |file: &[u8]| {
+        format!(
+            "the matrix needs more than {} bytes when it is decompressed, which is the limit for a file of this size; write \
+             it as a sparse matrix, or without compression",
+            (32 << 20) + 64 * file.len()
+        )
+    };
+    // More bytes, and more numbers, than the limit.
+    for count in [40_000_000, 6_000_000] {
+        let header = header("|i1", &format!("(1, {count})"));
+        let content = archive(&[("A", &array(&header, &vec![1; count]))]);
+        refused(read_archive(&content), &message(&content));
+    }
+
+    // A variable of level 5: flags (of an array of the class double), dimensions, name, and zeros.
+    let count = 6_000_000;
+    let element = |kind: u32, data: &[u8]| {
+        [&kind.to_le_bytes(), &(data.len() as u32).to_le_bytes(), data].concat()
+    };
+    let body = [
+        element(6, &[6, 0, 0, 0, 0, 0, 0, 0]),
+        element(5, &[1_u32, count].map(u32::to_le_bytes).concat()),
+        element(1, b"Aaaaaaaa"),
+        element(9, &vec![0; 8 * count as usize]),
+    ];
+    let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    zlib.write_all(&element(14, &body.concat())).unwrap();
+    let mut content = vec![b' '; 124];
+    content.extend([0, 1, b'I', b'M']);
+    content.extend(element(15, &zlib.finish().unwrap()));
     refused(
-        read_archive(&content),
-        &format!(
-            "the matrix needs more than {limit} bytes when it is decompressed, which is the limit for a file of this size; \
-             write it as a sparse matrix, or without compression"
-        ),
+        read_mat(&content, "Aaaaaaaa"),
+        &format!("in the matrix `Aaaaaaaa`: {}", message(&content)),
     );
 }
 

@@ -8,7 +8,7 @@
 mod damage;
 mod memory;
 
-use amontons_matrices::{Fault, Matrix, Place};
+use amontons_matrices::{Fault, Matrix, Place, Symmetry};
 use amontons_matrices::{harwell_boeing, mapping, mat, mat73, matrix_market, npy, npz};
 use damage::{Random, damage};
 use memory::{Counting, peak};
@@ -157,8 +157,16 @@ fn judge(matrix: &Matrix) {
     }
     let order = matrix.entries.is_sorted_by(|a, b| (a.column, a.row) < (b.column, b.row));
     assert!(order, "entries are out of order, or twice");
-    if let Some(freedoms) = &matrix.freedoms {
-        assert_eq!((freedoms.len(), freedoms.len()), (matrix.rows, matrix.columns));
+    let sign = match matrix.symmetry {
+        Symmetry::General => return,
+        Symmetry::Symmetric => 1.0,
+        Symmetry::SkewSymmetric => -1.0,
+    };
+    assert_eq!(matrix.rows, matrix.columns);
+    for entry in &matrix.entries {
+        let place = (entry.row, entry.column);
+        let mirrored = matrix.entries.binary_search_by_key(&place, |e| (e.column, e.row));
+        assert_eq!(matrix.entries[mirrored.unwrap()].value, sign * entry.value);
     }
 }
 
