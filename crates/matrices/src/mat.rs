@@ -194,7 +194,8 @@ impl<'a> Variable<'a> {
     }
 
     fn is_real_matrix(&self) -> bool {
-        !self.complex && self.dimensions.len() == 2
+        // MATLAB keeps its own data in a variable without a name.
+        !self.complex && self.dimensions.len() == 2 && !self.name.is_empty()
     }
 }
 

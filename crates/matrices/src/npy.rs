@@ -117,7 +117,8 @@ fn value_of<'a>(header: &'a str, key: &str) -> Option<&'a str> {
 fn shape_of(text: &str) -> Option<Vec<usize>> {
     let (inside, _) = text.strip_prefix('(')?.split_once(')')?;
     let lengths = inside.split(',').map(str::trim).filter(|length| !length.is_empty());
-    lengths.map(|length| length.parse().ok()).collect()
+    // Python 2 wrote `2L`.
+    lengths.map(|length| length.trim_end_matches('L').parse().ok()).collect()
 }
 
 /// The data of an array of `total` values with this type, such as `'<f8'`.

@@ -106,6 +106,8 @@ fn numbers_of_all_kinds_and_orders_are_read() {
     ] {
         assert_eq!(values(&array(&header(descr, "(1, 1)"), bytes)), [-2.0], "{descr}");
     }
+    let of_python_2 = header("<f8", "(1L, 1L)");
+    assert_eq!(values(&array(&of_python_2, &2.5_f64.to_le_bytes())), [2.5]);
     for (descr, bytes) in
         [("|b1", &[1_u8][..]), ("|u1", &[1]), (">u2", &[0, 1]), ("<u4", &[1, 0, 0, 0])]
     {
@@ -224,6 +226,7 @@ fn read_mat(content: &[u8], name: &str) -> Result<Matrix, Fault> {
 #[test]
 fn matrices_of_a_matlab_file_are_listed_without_other_variables() {
     assert_eq!(mat::File::new(&data("v7.mat")).unwrap().names(), ["A", "K", "D"]);
+    assert_eq!(mat::File::new(&data("v6.mat")).unwrap().names(), ["A", "n"]);
     let mut names = mat73::File::new(&data("v73.mat")).unwrap().names().to_owned();
     names.sort();
     assert_eq!(names, ["A", "D", "K"]);
@@ -236,8 +239,8 @@ fn wrong_matlab_files_are_refused() {
     let mut content = data("v6.mat");
     refused(read_mat(&content, "B"), "there is no matrix `B`");
     let fault = read_mat(&content[..content.len() - 8], "A").unwrap_err();
-    // The last variable, of 56 bytes with its tag.
-    assert_eq!(fault.place, Place::Offset(content.len() - 56));
+    // The last variable, of 64 bytes with its tag.
+    assert_eq!(fault.place, Place::Offset(content.len() - 64));
     assert_eq!(fault.message, "the file ends within this variable; write it again");
 
     // The row of the first entry, which follows the tag of its element (miINT32, 64 entries).
@@ -252,10 +255,16 @@ fn wrong_matlab_files_are_refused() {
          state larger numbers of rows and columns, or remove the entry"
     );
 
-    let mut content = data("v7.mat");
-    content[200] ^= 0xff;
-    let fault = read_mat(&content, "A").unwrap_err();
-    assert!(fault.message.ends_with("; write the file again"), "{}", fault.message);
+    // In the middle of a compressed variable, and in its checksum.
+    let content = data("v7.mat");
+    let length = u32::from_le_bytes(*content[132..].first_chunk().unwrap()) as usize;
+    for at in [200, 136 + length - 1] {
+        let mut content = content.clone();
+        content[at] ^= 0xff;
+        let fault = read_mat(&content, "A").unwrap_err();
+        assert_eq!(fault.place, Place::Offset(128));
+        assert!(fault.message.ends_with("; write the file again"), "{}", fault.message);
+    }
 }
 
 #[test]

@@ -143,6 +143,9 @@ def main():
     variables = {"A": sparse_a, "K": sparse_k, "D": a, "title": "chain", "Z": 1j * k[:2, :2], "cell": np.array([k, "x"], dtype=object)}
     scipy.io.savemat(HERE / "v7.mat", variables, do_compression=True)
     scipy.io.savemat(HERE / "v6.mat", {"A": sparse_a, "n": np.int8(12)})
+    with open(HERE / "v6.mat", "ab") as file:
+        # Without a name, as MATLAB writes data of its own: flags (uint8), dimensions, name, value.
+        file.write(struct.pack("<16I", 14, 56, 6, 8, 9, 0, 5, 8, 1, 1, 1, 0, 2 | 1 << 16, 7, 0, 0))
     for name in ("v6.mat", "v7.mat"):
         # The heading without the time.
         content = (HERE / name).read_bytes()
