@@ -4,10 +4,16 @@
 //! [`Error`] with the line or the offset, and the remedy; no content makes a reader panic, and none needs more memory than
 //! its entries do.
 
+pub mod abaqus;
+mod abaqus_elements;
 mod builder;
+pub mod calculix;
+mod cards;
 mod compressed;
+pub mod dmig;
 mod error;
 pub mod harwell_boeing;
+mod labelled;
 pub mod mapping;
 pub mod mat;
 pub mod mat73;
@@ -17,6 +23,9 @@ pub mod npy;
 pub mod npz;
 mod numbers;
 mod open;
+pub mod output4;
+mod output4_binary;
+mod output4_text;
 mod text;
 
 pub use error::{Error, Fault, Place};

@@ -2,7 +2,8 @@
 
 use crate::text::quote;
 use crate::{
-    Error, Fault, Freedom, Matrix, harwell_boeing, mapping, mat, mat73, matrix_market, npy, npz,
+    Error, Fault, Freedom, Matrix, abaqus, calculix, dmig, harwell_boeing, mapping, mat, mat73,
+    matrix_market, npy, npz, output4,
 };
 use std::convert::Infallible;
 use std::fs;
@@ -46,10 +47,7 @@ pub fn open(location: &Location) -> Result<Matrix, Error> {
     let read = match &*extension {
         "mtx" if matrix_market::is_matrix_market(content) => matrix_market::read(content),
         // Abaqus uses this extension too.
-        "mtx" => Err(Fault::line(
-            1,
-            "the file does not begin with %%MatrixMarket; write it as a Matrix Market file",
-        )),
+        "mtx" => abaqus::read(content).and_then(|matrices| pick(matrices, name)),
         "hb" | "rb" | "rua" | "rsa" | "rra" | "rza" | "matrix" | "stiff" | "mass" | "damp" => {
             let freedoms = companion(path, ["mapping", "MAPPING"], mapping::read)?;
             harwell_boeing::read(content).and_then(|matrix| match freedoms {
@@ -66,6 +64,15 @@ pub fn open(location: &Location) -> Result<Matrix, Error> {
             mat73::File::new(content).and_then(|file| file.read(choose(file.names(), name)?))
         }
         "mat" => mat::File::new(content).and_then(|file| file.read(choose(file.names(), name)?)),
+        "sti" | "mas" => {
+            let freedoms = companion(path, ["dof", "DOF"], calculix::freedoms)?;
+            calculix::read(content).and_then(|matrix| match freedoms {
+                Some(freedoms) => matrix.with_freedoms(freedoms),
+                None => Ok(matrix),
+            })
+        }
+        "pch" | "dmig" | "bdf" => dmig::read(content).and_then(|matrices| pick(matrices, name)),
+        "op4" => output4::read(content).and_then(|matrices| pick(matrices, name)),
         _ => Err(Fault::whole(format!(
             "the extension .{extension} belongs to no known format; known are {KNOWN}"
         ))),
@@ -82,8 +89,9 @@ pub fn open(location: &Location) -> Result<Matrix, Error> {
 }
 
 /// The extensions of the formats, for messages.
-const KNOWN: &str = ".mtx (Matrix Market), .hb, .rb, .rua, .rsa, .rra, .rza, .matrix, .stiff, .mass and .damp (Harwell–Boeing, as HBMAT of \
-                     Ansys writes it), .npy and .npz (NumPy, SciPy), .mat (MATLAB)";
+const KNOWN: &str = ".mtx (Matrix Market, Abaqus), .hb, .rb, .rua, .rsa, .rra, .rza, .matrix, .stiff, .mass and .damp \
+                     (Harwell–Boeing, as HBMAT of Ansys writes it), .npy and .npz (NumPy, SciPy), .mat (MATLAB), .sti and .mas \
+                     (CalculiX), .pch, .dmig and .bdf (DMIG of Nastran), .op4 (OUTPUT4 of Nastran)";
 
 fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     let fault = |error| Fault::whole(format!("cannot read the file: {error}"));
@@ -124,6 +132,25 @@ fn choose<'a>(names: &'a [String], name: Option<&str>) -> Result<&'a str, Fault>
         (None, _) => Err(Fault::whole(format!(
             "there are several matrices: {}; choose one by its name after #, as in FILE#NAME",
             list()
+        ))),
+    }
+}
+
+/// The matrix of this name, or the only one, of those that a file holds.
+fn pick(matrices: Vec<Matrix>, name: Option<&str>) -> Result<Matrix, Fault> {
+    let names: Vec<String> =
+        matrices.iter().map(|matrix| matrix.name.clone().unwrap_or_default()).collect();
+    let chosen = match &*names {
+        // The caller tells that the only matrix has no name.
+        [only] if only.is_empty() => only,
+        _ => choose(&names, name)?,
+    };
+    let mut found = matrices.into_iter().zip(&names).filter(|(_, name)| *name == chosen);
+    match (found.next(), found.next()) {
+        (Some((matrix, _)), None) => Ok(matrix),
+        _ => Err(Fault::whole(format!(
+            "there are several matrices of the name {}; leave one of them in the file",
+            quote(chosen)
         ))),
     }
 }

@@ -316,9 +316,9 @@ fn a_location_is_opened_or_refused_with_its_file() {
         message("K.txt"),
         told(
             "K.txt",
-            ": the extension .txt belongs to no known format; known are .mtx (Matrix Market), .hb, .rb, .rua, .rsa, .rra, \
+            ": the extension .txt belongs to no known format; known are .mtx (Matrix Market, Abaqus), .hb, .rb, .rua, .rsa, .rra, \
              .rza, .matrix, .stiff, .mass and .damp (Harwell–Boeing, as HBMAT of Ansys writes it), .npy and .npz (NumPy, \
-             SciPy), .mat (MATLAB)"
+             SciPy), .mat (MATLAB), .sti and .mas (CalculiX), .pch, .dmig and .bdf (DMIG of Nastran), .op4 (OUTPUT4 of Nastran)"
         )
     );
     assert!(message("none#1/K.npy").starts_with(&told("none#1/K.npy", ": cannot read the file: ")));

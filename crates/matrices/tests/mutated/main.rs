@@ -10,7 +10,9 @@ mod damage;
 mod memory;
 
 use amontons_matrices::{Fault, Matrix, Place, Symmetry};
-use amontons_matrices::{harwell_boeing, mapping, mat, mat73, matrix_market, npy, npz};
+use amontons_matrices::{
+    abaqus, calculix, dmig, harwell_boeing, mapping, mat, mat73, matrix_market, npy, npz, output4,
+};
 use damage::{Random, damage};
 use memory::{Counting, peak};
 use std::io::{Cursor, Read, Write};
@@ -78,6 +80,32 @@ const READERS: &[Reader] = &[
             let file = mat73::File::new(content)?;
             file.names().iter().map(|name| file.read(name)).collect()
         },
+    },
+    Reader {
+        name: "CalculiX",
+        files: &["tets.sti", "tets.mas"],
+        read: |content| calculix::read(content).map(|matrix| vec![matrix]),
+    },
+    Reader {
+        name: "degrees of freedom of CalculiX",
+        files: &["tets.dof"],
+        read: |content| calculix::freedoms(content).map(|_| Vec::new()),
+    },
+    Reader {
+        name: "Abaqus",
+        files: &["tets_nodes.mtx", "tets_numbers.mtx", "tets_substructure.mtx"],
+        read: abaqus::read,
+    },
+    Reader { name: "DMIG", files: &["tets_small.bdf", "tets_large.pch"], read: dmig::read },
+    Reader {
+        name: "OUTPUT4 as text",
+        files: &["tets_text.op4", "tets_text_strings.op4", "tets_text_bigmat.op4"],
+        read: output4::read,
+    },
+    Reader {
+        name: "OUTPUT4 in records",
+        files: &["tets_dense.op4", "tets_strings.op4", "tets_bigmat.op4", "tets_single.op4"],
+        read: output4::read,
     },
 ];
 
