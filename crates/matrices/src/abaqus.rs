@@ -8,6 +8,9 @@
 //! deck, and then several matrices in one file. Without `TYPE`, a matrix with no entry on both sides of the diagonal is
 //! symmetric. Abaqus gives a fixed degree of freedom the value 1e36 on the diagonal of the stiffness matrix.
 //!
+//! The rows are all degrees of freedom that the entries name, by node and then by direction, so that a mass matrix may have
+//! fewer rows than the stiffness matrix of the same structure.
+//!
 //! Files with `*USER ELEMENT` hold elements; the module `abaqus_elements` reads them.
 //!
 //! Sources: Abaqus Keywords Guide, `*MATRIX INPUT`, `*MATRIX OUTPUT`, `*MATRIX GENERATE`.
@@ -124,7 +127,7 @@ impl Block {
     /// Adds the entry in a line.
     fn push(&mut self, line: usize, text: &str) -> Result<(), Fault> {
         let place = Place::Line(line);
-        let fields: Vec<&str> = fields(text).take(6).collect();
+        let fields: Vec<&str> = fields(text).collect();
         let no_number = || {
             Fault::line(
                 line,

@@ -85,6 +85,16 @@ DMIG,R,9,1,,4,2,7.
     assert_eq!((labelled.rows, labelled.columns), (2, 2));
     assert_eq!(entries(&labelled), [(0, 0, 6.0), (1, 1, 7.0)]);
     assert_eq!((numbered.freedoms, labelled.freedoms), (None, None));
+    let large = "\
+DMIG*   P                              0               9               2*P1
+*P1                    0               0                               2
+DMIG*   P                              2               0                *P2
+*P2                    4               1 5.000000000D+00                *P3
+*P3                    4               2 6.000000000D+00
+";
+    let matrix = only(dmig::read(large.as_bytes()).unwrap());
+    assert_eq!((matrix.rows, matrix.columns), (2, 2));
+    assert_eq!(entries(&matrix), [(0, 1, 5.0), (1, 1, 6.0)]);
 }
 
 #[test]
@@ -100,6 +110,12 @@ fn matrices_of_a_structure_by_abaqus_have_nodes_or_numbers() {
     let matrix = only(abaqus::read(both.as_bytes()).unwrap());
     assert_eq!(matrix.symmetry, Symmetry::General);
     assert_eq!(entries(&matrix), [(0, 0, 3.0), (1, 0, -2.0), (0, 1, -1.0), (1, 1, 25.0)]);
+
+    let mixed = "1 1 4.0\n2 1 5.0\n2 3 6.0\n";
+    let matrix = only(abaqus::read(mixed.as_bytes()).unwrap());
+    assert_eq!(matrix.symmetry, Symmetry::Symmetric);
+    let expected = [(0, 0, 4.0), (1, 0, 5.0), (0, 1, 5.0), (2, 1, 6.0), (1, 2, 6.0)];
+    assert_eq!(entries(&matrix), expected);
 
     let numbers = "1,1, 4.0\n2 1 -1.5\r\n";
     let matrix = only(abaqus::read(numbers.as_bytes()).unwrap());
@@ -126,6 +142,14 @@ fn headers_of_an_input_deck_name_matrices_and_tell_their_symmetry() {
 /// Two springs in a row: along direction 1 between nodes 5 and 7 (2 N/m), and 7 and 9 (3 N/m).
 const ELEMENTS: &str = "\
 **
+** ELEMENT NUMBER 12 STEP NUMBER 1 INCREMENT NUMBER 1
+*USER ELEMENT, NODES=         2, LINEAR, UNSYM
+** ELEMENT NODES
+**          7,          9
+          1
+*MATRIX,TYPE=STIFFNESS
+  3.0000000000000    , -4.0000000000000    ,
+ -3.0000000000000    ,  3.0000000000000    
 ** ELEMENT NUMBER 11 STEP NUMBER 1 INCREMENT NUMBER 1
 ** ELEMENT TYPE SPRINGA
 *USER ELEMENT, NODES=         2, LINEAR
@@ -137,14 +161,7 @@ const ELEMENTS: &str = "\
  -2.0000000000000    ,  2.0000000000000    \n*MATRIX,TYPE=MASS
  0.5,
  0., 0.5
-** ELEMENT NUMBER 12 STEP NUMBER 1 INCREMENT NUMBER 1
-*USER ELEMENT, NODES=         2, LINEAR, UNSYM
-** ELEMENT NODES
-**          7,          9
-          1
-*MATRIX,TYPE=STIFFNESS
-  3.0000000000000    , -4.0000000000000    ,
- -3.0000000000000    ,  3.0000000000000    \n";
+";
 
 #[test]
 fn elements_are_added_up() {
@@ -217,12 +234,26 @@ fn output4_counts_words_or_values() {
     let head = |count| {
         format!("       1       3       2       2M       1P,3E12.5\n       1       1{count:8}\n")
     };
-    let rest = " 1.00000E+00-2.00000+100 3.00000D+00\n       2       1       1\n 1.00000E+00\n";
+    let rest = " 1.00000E+00 0.00000D+00-3.00000+100\n       2       1       1\n 1.00000E+00\n";
     for count in [3, 6] {
         let text = head(count) + rest;
         let matrix = only(output4::read(text.as_bytes()).unwrap());
-        assert_eq!(entries(&matrix), [(0, 0, 1.0), (1, 0, -2e100), (2, 0, 3.0)]);
+        assert_eq!(entries(&matrix), [(0, 0, 1.0), (2, 0, -3e100)]);
     }
+}
+
+#[test]
+fn strings_of_output4_have_two_words_where_rows_are_many() {
+    let text = "       1   70000       2       1M       1P,2E16.9
+       1       0       5
+       3   69999
+ 1.500000000E+00 2.500000000E+00
+       2       1       1
+ 1.000000000E+00
+";
+    let matrix = only(output4::read(text.as_bytes()).unwrap());
+    assert_eq!((matrix.rows, matrix.columns), (70000, 1));
+    assert_eq!(entries(&matrix), [(69998, 0, 1.5), (69999, 0, 2.5)]);
 }
 
 #[test]

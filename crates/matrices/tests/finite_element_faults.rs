@@ -83,6 +83,12 @@ fn faults_of_abaqus() {
              FORMAT=MATRIX INPUT (five numbers) or COORDINATE (three)",
         ),
         (
+            "3, 1,1, 1,2, 4.\n",
+            Line(1),
+            "a line of 6 numbers is no entry of this matrix; write the matrix of the whole structure with *MATRIX OUTPUT, \
+             FORMAT=MATRIX INPUT (five numbers) or COORDINATE (three)",
+        ),
+        (
             "1,1, 1,x, 2.\n",
             Line(1),
             "`1,1, 1,x, 2.` is no entry; write node, direction, node, direction, value, or row, column, value",

@@ -81,6 +81,9 @@ fn files_of_all_programs_agree_to_their_digits() {
         assert_eq!(matrix.symmetry, Symmetry::Symmetric, "{file}");
         assert_eq!(matrix.freedoms, tells.then(freedoms), "{file}");
         assert_equal(&nonzero(&matrix), expected, part, file);
+        // Only CalculiX lists zeros as entries.
+        let zeros = matrix.entries.len() > expected.len();
+        assert_eq!(zeros, file == "tets.mas", "{file}");
     }
 }
 
