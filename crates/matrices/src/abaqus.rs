@@ -8,6 +8,9 @@
 //! deck, and then several matrices in one file. Without `TYPE`, a matrix with no entry on both sides of the diagonal is
 //! symmetric. Abaqus gives a fixed degree of freedom the value 1e36 on the diagonal of the stiffness matrix.
 //!
+//! The rows are all degrees of freedom that the entries name, by node and then by direction, so that a mass matrix may have
+//! fewer rows than the stiffness matrix of the same structure.
+//!
 //! Files with `*USER ELEMENT` hold elements; the module `abaqus_elements` reads them.
 //!
 //! Sources: Abaqus Keywords Guide, `*MATRIX INPUT`, `*MATRIX OUTPUT`, `*MATRIX GENERATE`.
@@ -51,6 +54,9 @@ pub fn read(content: &[u8]) -> Result<Vec<Matrix>, Fault> {
         }
         let block = blocks.last_mut().expect("there is a block");
         block.push(line, text)?;
+    }
+    if blocks.is_empty() {
+        return Err(Fault::whole("the file has no entries; write a matrix with *MATRIX OUTPUT"));
     }
     blocks.into_iter().map(Block::finish).collect()
 }
@@ -121,7 +127,7 @@ impl Block {
     /// Adds the entry in a line.
     fn push(&mut self, line: usize, text: &str) -> Result<(), Fault> {
         let place = Place::Line(line);
-        let fields: Vec<&str> = fields(text).take(6).collect();
+        let fields: Vec<&str> = fields(text).collect();
         let no_number = || {
             Fault::line(
                 line,
@@ -221,8 +227,8 @@ pub(crate) fn freedom(line: usize, node: i64, direction: i64) -> Result<Freedom,
         _ => Err(Fault::line(
             line,
             format!(
-                "node {node} is internal: Abaqus adds nodes of numbers below 1 for Lagrange multipliers and hybrid elements, \
-                 which have no mass; use elements and constraints without them (penalty instead of Lagrange multipliers), \
+                "node {node} is internal: Abaqus adds nodes of numbers below 1 for Lagrange multipliers, hybrid elements and modes \
+                 of substructures; use elements and constraints without them (penalty instead of Lagrange multipliers), \
                  or write a substructure of the nodes that matter"
             ),
         )),

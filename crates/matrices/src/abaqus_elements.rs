@@ -2,13 +2,16 @@
 //!
 //! `*ELEMENT MATRIX OUTPUT` and `*SUBSTRUCTURE MATRIX OUTPUT` of Abaqus, with `OUTPUT FILE=USER DEFINED`, and `*SUBSTRUCTURE
 //! MATRIX OUTPUT` of CalculiX write for each element:
-//! - `*USER ELEMENT, NODES=n, LINEAR`, and `UNSYM` for an element with an unsymmetric matrix;
+//! - `*USER ELEMENT, NODES=n, LINEAR`;
 //! - a comment `** ELEMENT NODES`, and the n nodes in the comments after it;
 //! - a line with the directions of the first node; then, for each k where the directions change, a line with k and the
 //!   directions of the nodes from the k-th on. CalculiX gives each degree of freedom a node of its own, so that a node
 //!   occurs several times;
 //! - `*MATRIX, TYPE=STIFFNESS` or `MASS`, and its values in lines of up to four: of each column those from the first row to
-//!   the diagonal, or with `UNSYM` to the last row.
+//!   the diagonal, or those of all rows where the matrix is unsymmetric.
+//!
+//! A node of a substructure whose number is not positive, with direction 1, is the coordinate of a mode that the substructure
+//! retains. It becomes a degree of freedom without a direction, and node -3 becomes node 3, direction 0.
 //!
 //! Several elements are added up to the matrix of the structure, one for each type, without its zeros.
 //!
@@ -28,7 +31,7 @@ pub(crate) fn read(content: &[u8]) -> Result<Vec<Matrix>, Fault> {
     for (line, text) in text::lines(content) {
         let text = text.trim();
         if let Some(comment) = text.strip_prefix("**") {
-            reader.comment(line, comment)?;
+            reader.comment(comment)?;
         } else if text.starts_with('*') {
             reader.close()?;
             reader.keyword(line, &Keyword::new(text))?;
@@ -54,14 +57,14 @@ enum Part {
 struct Reader {
     part: Part,
     /// The number of the next element.
-    number: Option<String>,
+    number: Option<u64>,
     element: Element,
     /// The type of the matrix whose values are read, and the line of its keyword.
     matrix: (String, usize),
     values: Vec<(f64, usize)>,
     matrices: BTreeMap<String, Sum>,
     /// The number of each element so far, with the types of its matrices.
-    numbers: HashSet<(String, String)>,
+    numbers: HashSet<(u64, String)>,
 }
 
 /// The element whose matrices are read.
@@ -69,9 +72,8 @@ struct Reader {
 struct Element {
     line: usize,
     /// The number in the comment before it; a substructure has none.
-    number: Option<String>,
+    number: Option<u64>,
     stated: usize,
-    unsymmetric: bool,
     nodes: Vec<i64>,
     /// The position of the first node with these directions, from 1.
     directions: Vec<(usize, Vec<i64>)>,
@@ -81,23 +83,27 @@ struct Element {
 #[derive(Default)]
 struct Sum {
     unsymmetric: bool,
-    values: BTreeMap<(Freedom, Freedom), (f64, usize)>,
+    entries: Vec<Labelled>,
 }
 
 impl Sum {
-    fn finish(self, name: String) -> Result<Matrix, Fault> {
+    fn finish(mut self, name: String) -> Result<Matrix, Fault> {
         let symmetry = if self.unsymmetric { Symmetry::General } else { Symmetry::Symmetric };
-        let entries = self.values.into_iter();
-        let entries: Vec<Labelled> = entries
-            .filter(|&(_, (value, _))| value != 0.0)
-            .map(|((row, column), (value, line))| (row, column, value, Place::Line(line)))
-            .collect();
-        Ok(Matrix { name: Some(name), ..labelled::matrix(&entries, symmetry)? })
+        self.entries.sort_by_key(|&(row, column, ..)| (row, column));
+        self.entries.dedup_by(|next, sum| {
+            let same = (next.0, next.1) == (sum.0, sum.1);
+            if same {
+                sum.2 += next.2;
+            }
+            same
+        });
+        self.entries.retain(|&(_, _, value, _)| value != 0.0);
+        Ok(Matrix { name: Some(name), ..labelled::matrix(&self.entries, symmetry)? })
     }
 }
 
 impl Reader {
-    fn comment(&mut self, line: usize, text: &str) -> Result<(), Fault> {
+    fn comment(&mut self, text: &str) -> Result<(), Fault> {
         let text = text.trim();
         let mut words = text.split_whitespace();
         match (words.next(), words.next(), words.next()) {
@@ -108,12 +114,12 @@ impl Reader {
             (Some("ELEMENT"), Some("NUMBER"), Some(number)) => {
                 self.close()?;
                 self.part = Part::Nothing;
-                self.number = Some(number.to_owned());
+                self.number = number.parse().ok();
             }
+            // A remark on internal nodes may stand among the nodes.
             _ if self.part == Part::Nodes => {
-                for field in fields(text) {
-                    self.element.nodes.push(integer(line, field)?);
-                }
+                let nodes = fields(text).map(text::integer).collect::<Option<Vec<_>>>();
+                self.element.nodes.extend(nodes.unwrap_or_default());
             }
             _ => {}
         }
@@ -130,9 +136,8 @@ impl Reader {
                         "the element states no number of nodes; write NODES=8, for instance",
                     )
                 })?;
-                let unsymmetric = keyword.parameter("UNSYM").is_some();
                 let number = self.number.take();
-                self.element = Element { line, number, stated, unsymmetric, ..Element::default() };
+                self.element = Element { line, number, stated, ..Element::default() };
                 self.part = Part::Directions;
             }
             "MATRIX" if self.element.line > 0 => {
@@ -144,7 +149,8 @@ impl Reader {
                 return Err(Fault::line(
                     line,
                     format!(
-                        "*{other} is not of a file of elements; keep *USER ELEMENT, and *MATRIX with TYPE=STIFFNESS or MASS"
+                        "{} is not of a file of elements; keep *USER ELEMENT, and *MATRIX with TYPE=STIFFNESS or MASS",
+                        text::quote(other)
                     ),
                 ));
             }
@@ -202,27 +208,29 @@ impl Reader {
         }
         let freedoms = self.element.freedoms()?;
         let count = freedoms.len();
-        let unsymmetric = self.element.unsymmetric;
         let (kind, line) = std::mem::take(&mut self.matrix);
         let values = std::mem::take(&mut self.values);
-        let expected = if unsymmetric { count * count } else { count * (count + 1) / 2 };
-        if values.len() != expected {
+        let triangle = count * (count + 1) / 2;
+        let unsymmetric = values.len() != triangle;
+        if unsymmetric && values.len() != count * count {
             return Err(Fault::line(
                 line,
                 format!(
-                    "the matrix has {} values, but an element of {count} degrees of freedom needs {expected}; write the \
-                     whole file again",
-                    values.len()
+                    "the matrix has {} values, but an element of {count} degrees of freedom needs {triangle}, or {} if it is \
+                     unsymmetric; write the whole file again",
+                    values.len(),
+                    count * count,
                 ),
             ));
         }
-        if let Some(number) = &self.element.number
-            && !self.numbers.insert((number.clone(), kind.clone()))
+        if let Some(number) = self.element.number
+            && !self.numbers.insert((number, kind.clone()))
         {
             return Err(Fault::line(
                 line,
                 format!(
-                    "element {number} has a second matrix of type {kind}; write the matrices of one increment of one step"
+                    "element {number} has a second matrix of type {}; write the matrices of one increment of one step",
+                    text::quote(&kind)
                 ),
             ));
         }
@@ -232,21 +240,14 @@ impl Reader {
         for (index, &column) in freedoms.iter().enumerate() {
             let last = if unsymmetric { count } else { index + 1 };
             for (&row, (value, line)) in freedoms[..last].iter().zip(values.by_ref()) {
-                sum.add(row, column, value, line);
+                sum.entries.push((row, column, value, Place::Line(line)));
                 if !unsymmetric && row != column {
-                    sum.add(column, row, value, line);
+                    sum.entries.push((column, row, value, Place::Line(line)));
                 }
             }
         }
         self.part = Part::Directions;
         Ok(())
-    }
-}
-
-impl Sum {
-    fn add(&mut self, row: Freedom, column: Freedom, value: f64, line: usize) {
-        let entry = self.values.entry((row, column)).or_insert((0.0, line));
-        entry.0 += value;
     }
 }
 
@@ -275,7 +276,10 @@ impl Element {
                 directions = changed;
             }
             for &direction in directions {
-                let freedom = freedom(self.line, node, direction)?;
+                let freedom = match directions {
+                    [1] if node <= 0 => Freedom { node: node.unsigned_abs(), direction: 0 },
+                    _ => freedom(self.line, node, direction)?,
+                };
                 if !seen.insert(freedom) {
                     return Err(fault(format!(
                         "the element has direction {direction} of node {node} a second time; state each once"

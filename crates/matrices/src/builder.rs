@@ -1,18 +1,34 @@
 //! Puts the entries of a file together and finds those that contradict each other.
 
-use crate::{Entry, Fault, Matrix, Place, Symmetry};
+use crate::{Entry, Fault, Freedom, Matrix, Place, Symmetry};
 
 /// The entries that a reader has found so far.
 pub(crate) struct Builder {
     rows: usize,
     columns: usize,
     symmetry: Symmetry,
+    /// The degree of freedom of each row of a square matrix, if the file tells it with each entry.
+    freedoms: Option<Vec<Freedom>>,
+    /// The part of the diagonal by which two entries across it may differ in a symmetric matrix.
+    rounding: f64,
     entries: Vec<(Entry, Place)>,
 }
 
 impl Builder {
     pub(crate) const fn new(rows: usize, columns: usize, symmetry: Symmetry) -> Self {
-        Self { rows, columns, symmetry, entries: Vec::new() }
+        Self { rows, columns, symmetry, freedoms: None, rounding: 0.0, entries: Vec::new() }
+    }
+
+    /// A square matrix with these degrees of freedom, which messages name instead of rows and columns.
+    pub(crate) fn labelled(freedoms: Vec<Freedom>, symmetry: Symmetry) -> Self {
+        let rows = freedoms.len();
+        Self { freedoms: Some(freedoms), ..Self::new(rows, rows, symmetry) }
+    }
+
+    /// Lets two entries across the diagonal of a symmetric matrix differ by this part of the geometric mean of their diagonal
+    /// entries; both become their mean.
+    pub(crate) fn rounded(self, rounding: f64) -> Self {
+        Self { rounding, ..self }
     }
 
     /// Adds an entry; rows and columns are counted from 0. Of a symmetric matrix either triangle, or both.
@@ -38,10 +54,9 @@ impl Builder {
             )));
         }
         if !value.is_finite() {
+            let pair = pair(self.freedoms.as_deref(), row, column);
             return Err(fault(format!(
-                "the value of row {} and column {} is {value}; a matrix needs finite numbers",
-                row + 1,
-                column + 1
+                "the value of {pair} is {value}; a matrix needs finite numbers"
             )));
         }
         self.entries.push((Entry { row, column, value }, place));
@@ -53,24 +68,37 @@ impl Builder {
     /// # Errors
     /// Returns a fault if two entries have one place, or if the two triangles of a symmetric matrix differ.
     pub(crate) fn finish(self) -> Result<Matrix, Fault> {
-        let Self { rows, columns, symmetry, mut entries } = self;
+        let Self { rows, columns, symmetry, freedoms, rounding, mut entries } = self;
+        let pair = |row, column| pair(freedoms.as_deref(), row, column);
         let key = |entry: &Entry| (entry.column, entry.row);
         entries.sort_by_key(|(entry, _)| key(entry));
-        if let Some(pair) = entries.windows(2).find(|pair| key(&pair[0].0) == key(&pair[1].0)) {
-            let Entry { row, column, .. } = pair[1].0;
+        if let Some(two) = entries.windows(2).find(|two| key(&two[0].0) == key(&two[1].0)) {
+            let Entry { row, column, .. } = two[1].0;
             let message = format!(
-                "row {} and column {} have a second entry{}; add the two up, or remove one",
-                row + 1,
-                column + 1,
-                earlier(pair[0].1),
+                "{} have a second entry{}; add the two up, or remove one",
+                pair(row, column),
+                earlier(two[0].1),
             );
-            return Err(Fault { place: pair[1].1, message });
+            return Err(Fault { place: two[1].1, message });
         }
         if symmetry != Symmetry::General {
-            mirror(&mut entries, symmetry)?;
+            mirror(&mut entries, symmetry, rounding, pair)?;
         }
         let entries = entries.into_iter().map(|(entry, _)| entry).collect();
-        Ok(Matrix { name: None, rows, columns, entries, symmetry, freedoms: None })
+        Ok(Matrix { name: None, rows, columns, entries, symmetry, freedoms })
+    }
+}
+
+/// Names the place of an entry in the matrix.
+fn pair(freedoms: Option<&[Freedom]>, row: usize, column: usize) -> String {
+    match freedoms {
+        Some(freedoms) => {
+            let name = |at: usize| {
+                format!("node {} direction {}", freedoms[at].node, freedoms[at].direction)
+            };
+            format!("{} and {}", name(row), name(column))
+        }
+        None => format!("row {} and column {}", row + 1, column + 1),
     }
 }
 
@@ -84,36 +112,53 @@ fn earlier(place: Place) -> String {
 }
 
 /// Adds the entries of the triangle that the file leaves out. `entries` are sorted by column and row, and stay so.
-fn mirror(entries: &mut Vec<(Entry, Place)>, symmetry: Symmetry) -> Result<(), Fault> {
-    let sign = if symmetry == Symmetry::SkewSymmetric { -1.0 } else { 1.0 };
+fn mirror(
+    entries: &mut Vec<(Entry, Place)>,
+    symmetry: Symmetry,
+    rounding: f64,
+    pair: impl Fn(usize, usize) -> String,
+) -> Result<(), Fault> {
+    let (sign, kind) = match symmetry {
+        Symmetry::SkewSymmetric => (-1.0, "skew-symmetric"),
+        _ => (1.0, "symmetric"),
+    };
+    let find =
+        |row, column| entries.binary_search_by_key(&(column, row), |(e, _)| (e.column, e.row));
+    let diagonal = |row| find(row, row).map_or(0.0, |found| entries[found].0.value.abs());
     let mut added = Vec::new();
-    for &(Entry { row, column, value }, place) in &*entries {
+    let mut means = Vec::new();
+    for (index, &(Entry { row, column, value }, place)) in entries.iter().enumerate() {
         if row == column {
             if sign < 0.0 && value != 0.0 {
                 let message = format!(
-                    "the file says that the matrix is skew-symmetric, but row {0} and column {0} hold {value}; it must be 0",
-                    row + 1
+                    "the file says that the matrix is skew-symmetric, but {} hold {value}; it must be 0",
+                    pair(row, row)
                 );
                 return Err(Fault { place, message });
             }
             continue;
         }
-        match entries.binary_search_by_key(&(row, column), |(e, _)| (e.column, e.row)) {
-            Err(_) => {
-                added.push((Entry { row: column, column: row, value: sign * value }, place));
-            }
-            Ok(found) if entries[found].0.value == sign * value => {}
-            Ok(found) => {
-                let other = entries[found].0.value;
-                let (row, column) = (row + 1, column + 1);
-                let kind = if sign < 0.0 { "skew-symmetric" } else { "symmetric" };
-                let message = format!(
-                    "the file says that the matrix is {kind}, but row {row} and column {column} hold {value}, and row \
-                     {column} and column {row} hold {other}; say that it is general, or correct one of them"
-                );
-                return Err(Fault { place, message });
-            }
+        let Ok(partner) = find(column, row) else {
+            added.push((Entry { row: column, column: row, value: sign * value }, place));
+            continue;
+        };
+        let other = entries[partner].0.value;
+        if other == sign * value {
+            continue;
         }
+        if (other - sign * value).abs() > rounding * (diagonal(row) * diagonal(column)).sqrt() {
+            let message = format!(
+                "the file says that the matrix is {kind}, but {} hold {value}, and {} hold {other}; say that it is general, or \
+                 correct one of them",
+                pair(row, column),
+                pair(column, row),
+            );
+            return Err(Fault { place, message });
+        }
+        means.push((index, f64::midpoint(value, sign * other)));
+    }
+    for (index, mean) in means {
+        entries[index].0.value = mean;
     }
     entries.append(&mut added);
     entries.sort_by_key(|(entry, _)| (entry.column, entry.row));

@@ -50,7 +50,10 @@ pub(crate) fn each(
                 found = true;
             }
         }
-        if let Some(card) = &mut card {
+        // An empty line that continues has no data, but would take memory.
+        if let Some(card) = &mut card
+            && (card.fields.is_empty() || fields.iter().any(|field| !field.is_empty()))
+        {
             card.fields.extend(fields.into_iter().map(|field| (line, field)));
         }
     }

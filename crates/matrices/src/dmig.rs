@@ -4,8 +4,11 @@
 //! one triangle is enough), and 2 or 9 for rectangular, and whose type TIN is 1 for real numbers of single precision and 2 for
 //! those of double precision. Each of its columns is a card `DMIG NAME GJ CJ _ G1 C1 A1 B1 G2 C2 A2 B2 …`: node and direction
 //! of the column, then those of each row, with the real and the imaginary part of the entry. A scalar point has the direction
-//! 0. The rows of the matrix are all degrees of freedom that its entries name, by node and then by direction; those of a
-//! rectangular matrix have no degrees of freedom in [`Matrix`]. GJ is the number of the column of form 9, from 1.
+//! 0.
+//!
+//! The rows of the matrix are all degrees of freedom that its entries name, by node and then by direction, so that a mass
+//! matrix may have fewer rows than the stiffness matrix of the same structure. Those of a rectangular matrix have no degrees of
+//! freedom in [`Matrix`]; GJ is the number of the column of form 9, from 1.
 //!
 //! Source: Quick Reference Guide of MSC Nastran, bulk data entry DMIG.
 
@@ -23,11 +26,10 @@ pub fn read(content: &[u8]) -> Result<Vec<Matrix>, Fault> {
     let mut matrices: Vec<Parts> = Vec::new();
     cards::each(content, "DMIG", |card| {
         let name = card.field(0).to_uppercase();
-        if name.is_empty() {
-            return Err(Fault::line(
-                card.line,
-                "the card has no name of a matrix; write DMIG NAME …",
-            ));
+        if name.is_empty() || name.chars().count() > 8 {
+            let message =
+                format!("{} is no name of a matrix; write 1 to 8 characters", text::quote(&name));
+            return Err(Fault::line(card.line, message));
         }
         let known = matrices.iter().position(|matrix| matrix.name == name);
         let index = known.unwrap_or_else(|| {

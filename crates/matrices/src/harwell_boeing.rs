@@ -87,7 +87,7 @@ fn type_and_sizes(text: &str) -> Result<(Symmetry, [usize; 3]), Fault> {
             return fault("the values are complex, but a real matrix is needed; write the real part of the matrix alone".into());
         }
         ['P', ..] => return fault("the file has the pattern of a matrix without its values; write the matrix with its values".into()),
-        [_, 'H', _] => return fault("the matrix is Hermitian, but a real matrix is needed".into()),
+        [_, 'H', _] => return fault("the matrix is Hermitian, but a real matrix is needed; write it as RSA".into()),
         [_, _, 'E'] => return fault("the matrix is in elements; write it assembled".into()),
         ['R' | 'I', 'U' | 'R', 'A'] => Symmetry::General,
         ['R' | 'I', 'S', 'A'] => Symmetry::Symmetric,
@@ -106,7 +106,7 @@ fn type_and_sizes(text: &str) -> Result<(Symmetry, [usize; 3]), Fault> {
     };
     if symmetry != Symmetry::General && rows != columns {
         return fault(format!(
-            "the type {name} needs a square matrix, but this one has {rows} rows and {columns} columns"
+            "the type {name} needs a square matrix, but this one has {rows} rows and {columns} columns; write it as RRA"
         ));
     }
     Ok((symmetry, [rows, columns, entries]))
@@ -136,12 +136,13 @@ fn formats_of(text: &str) -> Result<[Format; 3], Fault> {
     let whole = |text| {
         format_of(text).filter(|format| format.whole).ok_or_else(|| {
             fault(format!(
-                "the format `({text})` is unknown; one of whole numbers is needed, such as `(16I5)`"
+                "the format {} is unknown; one of whole numbers is needed, such as `(16I5)`",
+                quote(text)
             ))
         })
     };
     let values = format_of(values).ok_or_else(|| {
-        fault(format!("the format `({values})` is unknown; write the values with one such as `(3E25.16)` or `(1P,5D16.8)`"))
+        fault(format!("the format {} is unknown; write the values with one such as `(3E25.16)` or `(1P,5D16.8)`", quote(values)))
     })?;
     Ok([whole(pointers)?, whole(rows)?, values])
 }

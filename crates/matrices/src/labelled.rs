@@ -3,6 +3,7 @@
 use crate::builder::Builder;
 use crate::{Fault, Freedom, Matrix, Place, Symmetry};
 use std::collections::HashSet;
+use std::hash::Hash;
 
 /// An entry as a file gives it: the degrees of freedom of its row and its column, its value, and its place.
 pub(crate) type Labelled = (Freedom, Freedom, f64, Place);
@@ -13,11 +14,11 @@ pub(crate) type Labelled = (Freedom, Freedom, f64, Place);
 /// Returns a fault as [`Builder`] does.
 pub(crate) fn matrix(entries: &[Labelled], symmetry: Symmetry) -> Result<Matrix, Fault> {
     let freedoms = sorted(entries.iter().flat_map(|&(row, column, ..)| [row, column]));
-    let mut builder = Builder::new(freedoms.len(), freedoms.len(), symmetry);
+    let mut builder = Builder::labelled(freedoms.clone(), symmetry);
     for &(row, column, value, place) in entries {
         builder.push(position(&freedoms, row), position(&freedoms, column), value, place)?;
     }
-    Ok(Matrix { freedoms: Some(freedoms), ..builder.finish()? })
+    builder.finish()
 }
 
 /// Degrees of freedom by node and then by direction, each once.
@@ -35,15 +36,16 @@ pub(crate) fn position(freedoms: &[Freedom], freedom: Freedom) -> usize {
 
 /// What the places of entries say of the symmetry of a matrix whose file is silent on it: programs write one triangle of a
 /// symmetric matrix, so that no entry has a partner across the diagonal, and both triangles of any other one.
-pub(crate) fn symmetry<T: Copy + Eq + std::hash::Hash>(
-    places: impl Iterator<Item = (T, T)>,
+pub(crate) fn symmetry<T: Copy + Ord + Hash>(
+    mut places: impl Iterator<Item = (T, T)> + Clone,
 ) -> Symmetry {
-    let mut seen = HashSet::new();
-    for (row, column) in places {
-        if row != column && seen.contains(&(column, row)) {
-            return Symmetry::General;
-        }
-        seen.insert((row, column));
+    // In most files all entries are on one side.
+    if places.clone().all(|(row, column)| row <= column)
+        || places.clone().all(|(row, column)| row >= column)
+    {
+        return Symmetry::Symmetric;
     }
-    Symmetry::Symmetric
+    let seen: HashSet<(T, T)> = places.clone().collect();
+    let partner = |(row, column)| row != column && seen.contains(&(column, row));
+    if places.any(partner) { Symmetry::General } else { Symmetry::Symmetric }
 }

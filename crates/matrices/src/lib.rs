@@ -6,6 +6,7 @@
 
 pub mod abaqus;
 mod abaqus_elements;
+mod align;
 mod builder;
 pub mod calculix;
 mod cards;
@@ -30,6 +31,7 @@ mod output4_text;
 mod text;
 mod write;
 
+pub use align::align;
 pub use error::{Error, Fault, Place};
 pub use freedoms::{read_freedoms, write_freedoms};
 pub use matrix::{Entry, Freedom, Matrix, Symmetry};

@@ -4,7 +4,8 @@
 //! the data. A variable is an element of elements (flags, dimensions, name, data), which can be compressed.
 
 use crate::compressed::Compressed;
-use crate::numbers::{Kind, Numbers, decompressed_limit, dense, inflate};
+use crate::numbers::{Kind, Numbers, decompressed_limit, dense, inflate, within};
+use crate::text::quote;
 use crate::{Fault, Matrix, Place, Symmetry};
 use flate2::read::ZlibDecoder;
 use std::borrow::Cow;
@@ -90,11 +91,12 @@ impl<'a> File<'a> {
     /// Returns a fault if there is none, or it is wrong.
     pub fn read(&self, name: &str) -> Result<Matrix, Fault> {
         let found = self.names.iter().position(|known| known == name);
-        let found = found.ok_or_else(|| Fault::whole(format!("there is no matrix {name}")))?;
+        let found =
+            found.ok_or_else(|| Fault::whole(format!("there is no matrix {}", quote(name))))?;
         let (offset, compressed, data) = self.variables[found];
         let at = |fault: Fault| Fault {
             place: Place::Offset(offset),
-            message: format!("in the matrix {name}: {}", fault.message),
+            message: format!("in the matrix {}: {}", quote(name), fault.message),
         };
         let inflated;
         let body = if compressed {
@@ -128,9 +130,9 @@ impl<'a> File<'a> {
         };
         let mut rest = variable.rest;
         let mut part = |name| {
-            element(&mut rest, big_endian)
-                .and_then(|(kind, data)| numbers(kind, data, big_endian))
-                .ok_or_else(|| wrong(name))
+            let found = element(&mut rest, big_endian)
+                .and_then(|(kind, data)| numbers(kind, data, big_endian));
+            within(self.limit, found.ok_or_else(|| wrong(name))?)
         };
         if variable.class != SPARSE {
             let values = part("values")?;
@@ -192,7 +194,8 @@ impl<'a> Variable<'a> {
     }
 
     fn is_real_matrix(&self) -> bool {
-        !self.complex && self.dimensions.len() == 2
+        // MATLAB keeps its own data in a variable without a name.
+        !self.complex && self.dimensions.len() == 2 && !self.name.is_empty()
     }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::compressed::Compressed;
 use crate::numbers::{decompressed_limit, dense, too_large};
+use crate::text::quote;
 use crate::{Fault, Matrix, Place, Symmetry};
 use hdf5_pure::{AttrValue, DType, Dataset, Error, Group};
 
@@ -82,14 +83,15 @@ impl File {
     /// Returns a fault if there is none, or it is wrong.
     pub fn read(&self, name: &str) -> Result<Matrix, Fault> {
         let found = self.names.iter().position(|known| known == name);
-        let found = found.ok_or_else(|| Fault::whole(format!("there is no matrix {name}")))?;
+        let found =
+            found.ok_or_else(|| Fault::whole(format!("there is no matrix {}", quote(name))))?;
         let matrix = match &self.variables[found] {
             Variable::Full(dataset) => self.full(dataset),
             Variable::Sparse(rows, group) => self.sparse(*rows, group),
         };
         let mut matrix = matrix.map_err(|fault| Fault {
             place: fault.place,
-            message: format!("in the matrix {name}: {}", fault.message),
+            message: format!("in the matrix {}: {}", quote(name), fault.message),
         })?;
         matrix.name = Some(name.to_owned());
         Ok(matrix)

@@ -186,7 +186,7 @@ fn index(line: usize, name: &str, word: Option<&str>) -> Result<usize, Fault> {
         Some(Ok(index)) => Ok(index),
         Some(Err(_)) => Err(Fault::line(
             line,
-            format!("the {name} is {word}; rows and columns are counted from 1"),
+            format!("the {name} is {}; rows and columns are counted from 1", quote(word)),
         )),
         None => Err(Fault::line(
             line,

@@ -82,8 +82,8 @@ impl<'a> Array<'a> {
     pub(crate) fn matrix(&self) -> Result<Matrix, Fault> {
         let &[rows, columns] = &*self.shape else {
             return Err(Fault::whole(format!(
-                "the array has the shape {:?}; a matrix has two dimensions",
-                self.shape
+                "the array has {} dimensions; a matrix has two",
+                self.shape.len()
             )));
         };
         let numbers = self.numbers()?;
@@ -117,7 +117,8 @@ fn value_of<'a>(header: &'a str, key: &str) -> Option<&'a str> {
 fn shape_of(text: &str) -> Option<Vec<usize>> {
     let (inside, _) = text.strip_prefix('(')?.split_once(')')?;
     let lengths = inside.split(',').map(str::trim).filter(|length| !length.is_empty());
-    lengths.map(|length| length.parse().ok()).collect()
+    // Python 2 wrote `2L`.
+    lengths.map(|length| length.trim_end_matches('L').parse().ok()).collect()
 }
 
 /// The data of an array of `total` values with this type, such as `'<f8'`.

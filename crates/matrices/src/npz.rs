@@ -4,7 +4,7 @@
 use crate::builder::Builder;
 use crate::compressed::Compressed;
 use crate::npy::Array;
-use crate::numbers::{decompressed_limit, too_large};
+use crate::numbers::{decompressed_limit, too_large, within};
 use crate::text::quote;
 use crate::{Fault, Matrix, Place, Symmetry};
 use std::io::{Cursor, Read};
@@ -52,7 +52,10 @@ impl<'a> Archive<'a> {
         let mut matrix = if self.sparse {
             self.read_sparse()?
         } else {
-            Array::parse(&self.member(name)?)?.matrix()?
+            let content = self.member(name)?;
+            let array = Array::parse(&content)?;
+            within(self.limit, array.numbers()?)?;
+            array.matrix()?
         };
         matrix.name = Some(name.to_owned());
         Ok(matrix)
@@ -62,7 +65,8 @@ impl<'a> Archive<'a> {
     fn member(&mut self, name: &str) -> Result<Vec<u8>, Fault> {
         let fault = |error: &dyn std::fmt::Display| {
             Fault::whole(format!(
-                "the member {name}.npy cannot be read: {error}; write the file again"
+                "the member {} cannot be read: {error}; write the file again",
+                quote(name)
             ))
         };
         let file = self.zip.by_name(&format!("{name}.npy")).map_err(|error| fault(&error))?;
@@ -74,8 +78,7 @@ impl<'a> Archive<'a> {
     /// The integers of a member.
     fn integers(&mut self, name: &str) -> Result<Vec<i64>, Fault> {
         let content = self.member(name)?;
-        Array::parse(&content)?
-            .numbers()?
+        within(self.limit, Array::parse(&content)?.numbers()?)?
             .integers()
             .ok_or_else(|| Fault::whole(format!("the member {name}.npy must hold whole numbers")))
     }
@@ -89,12 +92,13 @@ impl<'a> Archive<'a> {
         let sizes: Option<Vec<_>> =
             shape.iter().map(|&length| usize::try_from(length).ok()).collect();
         let Some(&[rows, columns]) = sizes.as_deref() else {
-            return Err(Fault::whole(format!(
-                "the member shape.npy has {shape:?}; it must have numbers of rows and columns"
-            )));
+            return Err(Fault::whole(
+                "the member shape.npy must hold two numbers, those of rows and columns",
+            ));
         };
         let values = self.member("data")?;
-        let values: Vec<_> = Array::parse(&values)?.numbers()?.reals().collect();
+        let values: Vec<_> =
+            within(self.limit, Array::parse(&values)?.numbers()?)?.reals().collect();
         match format {
             "csc" | "csr" => {
                 let pointers = self.integers("indptr")?;

@@ -112,10 +112,10 @@ pub(crate) fn dense(
     builder.finish()
 }
 
-/// The number of bytes that are read from the compressed parts of a file of this size: 16 MiB and 64 times the file. A file
-/// that claims more is refused, so that a short one cannot fill the memory.
+/// The number of bytes that are read from a compressed part of a file of this size: 32 MiB and 64 times the file. A file that
+/// has more is refused, so that a short one cannot fill the memory. Numbers count as doubles, since they become such.
 pub(crate) const fn decompressed_limit(file: usize) -> u64 {
-    (16 << 20) + 64 * file as u64
+    (32 << 20) + 64 * file as u64
 }
 
 /// Decompresses bytes in the format of zlib, up to `limit`.
@@ -128,6 +128,14 @@ pub(crate) fn inflate(bytes: &[u8], limit: u64) -> Result<Vec<u8>, Fault> {
         Fault::whole(format!("the compressed part is wrong: {error}; write the file again"))
     })?;
     if content.len() as u64 > limit { Err(too_large(limit)) } else { Ok(content) }
+}
+
+/// These numbers, if they are not too many for a compressed part.
+///
+/// # Errors
+/// Returns a fault if they have more than `limit` bytes as doubles.
+pub(crate) fn within(limit: u64, numbers: Numbers<'_>) -> Result<Numbers<'_>, Fault> {
+    if 8 * numbers.len() as u64 > limit { Err(too_large(limit)) } else { Ok(numbers) }
 }
 
 /// The fault of a part that has more than `limit` bytes when it is decompressed.

@@ -1,5 +1,6 @@
 //! From the name of a file to its matrices.
 
+use crate::text::quote;
 use crate::{
     Error, Fault, Freedom, Matrix, abaqus, calculix, dmig, harwell_boeing, mapping, mat, mat73,
     matrix_market, npy, npz, output4,
@@ -88,9 +89,9 @@ pub fn open(location: &Location) -> Result<Matrix, Error> {
 }
 
 /// The extensions of the formats, for messages.
-const KNOWN: &str = ".mtx (Matrix Market, Abaqus), .hb, .rb, .rua, .rsa, .matrix, .stiff, .mass and .damp (Harwell–Boeing, as HBMAT of \
-                     Ansys writes it), .npy and .npz (NumPy, SciPy), .mat (MATLAB), .sti and .mas (CalculiX), .pch, .dmig and .bdf (DMIG of Nastran), .op4 (OUTPUT4 of \
-                     Nastran)";
+const KNOWN: &str = ".mtx (Matrix Market, Abaqus), .hb, .rb, .rua, .rsa, .rra, .rza, .matrix, .stiff, .mass and .damp \
+                     (Harwell–Boeing, as HBMAT of Ansys writes it), .npy and .npz (NumPy, SciPy), .mat (MATLAB), .sti and .mas \
+                     (CalculiX), .pch, .dmig and .bdf (DMIG of Nastran), .op4 (OUTPUT4 of Nastran)";
 
 fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     let fault = |error| Fault::whole(format!("cannot read the file: {error}"));
@@ -112,35 +113,44 @@ fn companion(
 
 /// Chooses the name of a matrix of a file that can hold several: this one, or the only one.
 fn choose<'a>(names: &'a [String], name: Option<&str>) -> Result<&'a str, Fault> {
+    let list = || -> String {
+        let shown: Vec<_> = names.iter().take(20).map(|name| quote(name)).collect();
+        let more = if names.len() > shown.len() { " and more" } else { "" };
+        shown.join(", ") + more
+    };
     match (name, names) {
         (_, []) => Err(Fault::whole(
             "there is no real matrix in the file; write one with two dimensions into it",
         )),
         (Some(name), _) => {
-            names.iter().map(|known| &**known).find(|known| *known == name).ok_or_else(|| {
-                Fault::whole(format!("there is no matrix {name}; there are: {}", names.join(", ")))
+            let found = names.iter().find(|known| *known == name);
+            found.map(|name| &**name).ok_or_else(|| {
+                Fault::whole(format!("there is no matrix {}; there are {}", quote(name), list()))
             })
         }
         (None, [only]) => Ok(only),
         (None, _) => Err(Fault::whole(format!(
-            "there are several matrices: {}; choose one by its name after #, such as FILE#{}",
-            names.join(", "),
-            names[0]
+            "there are several matrices: {}; choose one by its name after #, as in FILE#NAME",
+            list()
         ))),
     }
 }
 
 /// The matrix of this name, or the only one, of those that a file holds.
-fn pick(mut matrices: Vec<Matrix>, name: Option<&str>) -> Result<Matrix, Fault> {
+fn pick(matrices: Vec<Matrix>, name: Option<&str>) -> Result<Matrix, Fault> {
     let names: Vec<String> =
         matrices.iter().map(|matrix| matrix.name.clone().unwrap_or_default()).collect();
-    let chosen = match (name, &*names) {
+    let chosen = match &*names {
         // The caller tells that the only matrix has no name.
-        (Some(_), [only]) if only.is_empty() => 0,
-        _ => {
-            let chosen = choose(&names, name)?;
-            names.iter().position(|known| known == chosen).unwrap_or(0)
-        }
+        [only] if only.is_empty() => only,
+        _ => choose(&names, name)?,
     };
-    Ok(matrices.swap_remove(chosen))
+    let mut found = matrices.into_iter().zip(&names).filter(|(_, name)| *name == chosen);
+    match (found.next(), found.next()) {
+        (Some((matrix, _)), None) => Ok(matrix),
+        _ => Err(Fault::whole(format!(
+            "there are several matrices of the name {}; leave one of them in the file",
+            quote(chosen)
+        ))),
+    }
 }

@@ -25,6 +25,10 @@ pub fn read(content: &[u8]) -> Result<Vec<Matrix>, Fault> {
     }
 }
 
+/// The part of the diagonal by which entries across it may differ in a symmetric matrix of single and of double precision.
+/// Nastran computes both triangles of a reduced matrix, and they differ by its rounding; text has fewer digits than a double.
+const ROUNDING: [f64; 2] = [1e-5, 1e-9];
+
 /// The header of a matrix.
 pub(crate) struct Header {
     pub(crate) columns: i64,
@@ -86,6 +90,7 @@ impl Header {
 
     pub(crate) fn builder(&self) -> Builder {
         Builder::new(self.rows, self.columns as usize, self.symmetry)
+            .rounded(ROUNDING[self.words - 1])
     }
 
     /// The finished matrix with the name of the header.

@@ -1,5 +1,6 @@
 //! One structure through the formats of programs of finite elements gives the same matrices, to the digits that each prints.
-//! The files come from CalculiX, pyNastran, pyYeti and SciPy, as `data/make_fe.py` writes them.
+//! The files come from CalculiX, pyNastran, pyYeti and SciPy, and those in the layouts of Abaqus from `data/make_fe.py`, which
+//! writes them all.
 
 use amontons_matrices::{Freedom, Location, Matrix, Symmetry, open};
 use std::collections::BTreeMap;
@@ -60,6 +61,8 @@ fn files_of_all_programs_agree_to_their_digits() {
     let files = [
         ("tets.sti", &stiffness, 0.0, true),
         ("tets.mas", &mass, 0.0, true),
+        ("tets_nodes.mtx", &mass, 0.0, true),
+        ("tets_numbers.mtx", &mass, 0.0, false),
         ("tets_small.bdf", &mass, 5e-4, true),
         ("tets_large.pch#KAAX", &stiffness, 5e-10, true),
         ("tets_large.pch#MAAX", &mass, 5e-10, true),
@@ -78,6 +81,9 @@ fn files_of_all_programs_agree_to_their_digits() {
         assert_eq!(matrix.symmetry, Symmetry::Symmetric, "{file}");
         assert_eq!(matrix.freedoms, tells.then(freedoms), "{file}");
         assert_equal(&nonzero(&matrix), expected, part, file);
+        // Only CalculiX lists zeros as entries.
+        let zeros = matrix.entries.len() > expected.len();
+        assert_eq!(zeros, file == "tets.mas", "{file}");
     }
 }
 
@@ -115,8 +121,20 @@ fn a_file_of_several_matrices_needs_a_name() {
     };
     assert_eq!(
         message("tets_large.pch"),
-        "there are several matrices: KAAX, MAAX, PAX; choose one by its name after #, such as FILE#KAAX"
+        "there are several matrices: `KAAX`, `MAAX`, `PAX`; choose one by its name after #, as in FILE#NAME"
     );
-    assert_eq!(message("tets_strings.op4#K"), "there is no matrix K; there are: KAAX, MAAX");
+    assert_eq!(message("tets_strings.op4#K"), "there is no matrix `K`; there are `KAAX`, `MAAX`");
     assert_eq!(message("tets.sti#K"), "the file holds one matrix, which has no name; leave out #K");
+}
+
+#[test]
+fn a_name_that_two_matrices_of_a_file_have_is_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("twice.op4");
+    fs::write(&path, fs::read(data("tets_dense.op4")).unwrap().repeat(2)).unwrap();
+    let error = open(&Location { path, name: Some("MAAX".into()) }).unwrap_err();
+    assert_eq!(
+        error.fault().message,
+        "there are several matrices of the name `MAAX`; leave one of them in the file"
+    );
 }

@@ -68,6 +68,7 @@ fn files_of_the_symmetric_matrix_agree() {
         ("K.matrix", Symmetry::Symmetric),
         ("dense.npz#K", Symmetry::General),
         ("v7.mat#K", Symmetry::General),
+        ("v73.mat#K", Symmetry::General),
     ] {
         let matrix = read(file);
         assert_eq!((matrix.rows, matrix.columns), (12, 12), "{file}");

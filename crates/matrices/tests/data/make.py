@@ -88,7 +88,8 @@ def version_7_3(name, matrices):
                 group = file.create_group(key)
                 group.attrs["MATLAB_class"] = np.bytes_("double")
                 group.attrs["MATLAB_sparse"] = np.uint64(matrix.shape[0])
-                options = {"chunks": True, "maxshape": (None,), "compression": 3}
+                # K as after `save -nocompression`.
+                options = {} if key == "K" else {"chunks": True, "maxshape": (None,), "compression": 3}
                 group.create_dataset("data", data=matrix.data, **options)
                 group.create_dataset("ir", data=matrix.indices.astype(np.uint64), **options)
                 group.create_dataset("jc", data=matrix.indptr.astype(np.uint64), **options)
@@ -142,8 +143,15 @@ def main():
     variables = {"A": sparse_a, "K": sparse_k, "D": a, "title": "chain", "Z": 1j * k[:2, :2], "cell": np.array([k, "x"], dtype=object)}
     scipy.io.savemat(HERE / "v7.mat", variables, do_compression=True)
     scipy.io.savemat(HERE / "v6.mat", {"A": sparse_a, "n": np.int8(12)})
+    with open(HERE / "v6.mat", "ab") as file:
+        # Without a name, as MATLAB writes data of its own: flags (uint8), dimensions, name, value.
+        file.write(struct.pack("<16I", 14, 56, 6, 8, 9, 0, 5, 8, 1, 1, 1, 0, 2 | 1 << 16, 7, 0, 0))
+    for name in ("v6.mat", "v7.mat"):
+        # The heading without the time.
+        content = (HERE / name).read_bytes()
+        (HERE / name).write_bytes(b"MATLAB 5.0 MAT-file".ljust(116) + content[116:])
     big_endian("big_endian.mat", "A", a)
-    version_7_3("v73.mat", {"A": sparse_a, "D": a})
+    version_7_3("v73.mat", {"A": sparse_a, "K": sparse_k, "D": a})
 
 
 main()

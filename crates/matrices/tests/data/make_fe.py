@@ -11,6 +11,7 @@ precision, which SciPy writes as Fortran records. Needs numpy, pandas, scipy, py
 and pyyeti.
 """
 
+import itertools
 import pathlib
 import shutil
 import subprocess
@@ -86,6 +87,19 @@ def large_dmig(name, freedoms, matrices):
     pyyeti.nastran.bulk.wtdmig(str(HERE / name), frames)
 
 
+def abaqus(freedoms, matrix):
+    """Writes the lower triangle of a matrix in the two layouts of *MATRIX OUTPUT of Abaqus, which is not at hand."""
+    nodes, numbers = [], []
+    for column, row in itertools.combinations_with_replacement(range(len(freedoms)), 2):
+        value = matrix[row, column]
+        if value != 0:
+            labels = [f"{node},{direction}" for node, direction in (freedoms[row], freedoms[column])]
+            nodes.append(f"{labels[0]}, {labels[1]}, {value:22.15e}\n")
+            numbers.append(f"{row + 1},{column + 1}, {value:22.15e}\n")
+    (HERE / "tets_nodes.mtx").write_text("".join(nodes))
+    (HERE / "tets_numbers.mtx").write_text("".join(numbers))
+
+
 def single(path, name, matrix):
     """Writes OUTPUT4 of single precision with dense columns as Fortran records of big-endian words."""
     count = len(matrix)
@@ -105,6 +119,7 @@ def main():
     freedoms = [tuple(map(int, line.split("."))) for line in (HERE / "tets.dof").read_text().split()]
     stiffness, mass = stored("tets.sti"), stored("tets.mas")
     both = {"KAAX": stiffness, "MAAX": mass}
+    abaqus(freedoms, mass)
     small_dmig("tets_small.bdf", freedoms, "MAAX", mass)
     large_dmig("tets_large.pch", freedoms, both)
 

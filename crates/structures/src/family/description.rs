@@ -3,7 +3,7 @@
 use crate::quadratic::Quadratic;
 use crate::sparse::Sparse;
 use amontons::Error;
-use amontons_matrices::{Freedom, Location, Matrix, open};
+use amontons_matrices::{Location, Matrix, align, open};
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,14 +29,6 @@ pub struct Parameter {
     pub reference: f64,
     /// Its values, in the order in which modes are followed.
     pub values: Vec<f64>,
-}
-
-/// The matrices of a structure at one value of its parameter, and the names of their rows if the files tell.
-pub struct Member {
-    /// The eigenvalue problem.
-    pub problem: Quadratic,
-    /// The degree of freedom of each row.
-    pub freedoms: Option<Vec<Freedom>>,
 }
 
 #[derive(Deserialize)]
@@ -198,6 +190,22 @@ impl Family {
         self.parameter.as_ref().map_or(1, |parameter| parameter.values.len())
     }
 
+    /// What multiplies a part at the value of this place in the list.
+    fn factor(&self, part: &Part, place: usize) -> Result<f64, Error> {
+        let Some(parameter) = self.parameter.as_ref().filter(|_| part.power != 0.0) else {
+            return Ok(part.factor);
+        };
+        let value = parameter.values[place];
+        let factor = part.factor * libm::pow(value / parameter.reference, part.power);
+        if factor.is_finite() {
+            return Ok(factor);
+        }
+        Err(Error::argument(format!(
+            "a part with power = {} has no finite factor at {} = {value}; leave out this value",
+            part.power, parameter.name
+        )))
+    }
+
     /// Reads the files that all values of the parameter share.
     ///
     /// # Errors
@@ -223,58 +231,38 @@ impl Loaded<'_> {
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, or if the matrices are not square and of one size.
-    pub fn member(&self, place: usize) -> Result<Member, Box<dyn std::error::Error>> {
+    pub fn member(&self, place: usize) -> Result<Quadratic, Box<dyn std::error::Error>> {
+        let parts = &self.family.parts;
+        let matrices = parts.iter().zip(&self.shared).map(|(part, shared)| match shared {
+            Some(matrix) => Ok(matrix.clone()),
+            None => open(&part.files[place]),
+        });
+        let mut matrices = matrices.collect::<Result<Vec<Matrix>, _>>()?;
+        align(&mut matrices.iter_mut().collect::<Vec<_>>());
+        let size = [matrices[0].rows, matrices[0].columns];
         let mut sums = [const { None::<Sparse> }; 3];
-        let mut freedoms: Option<Vec<Freedom>> = None;
-        let relative = self
-            .family
-            .parameter
-            .as_ref()
-            .map_or(1.0, |parameter| parameter.values[place] / parameter.reference);
-        for (part, shared) in self.family.parts.iter().zip(&self.shared) {
-            let own;
-            let matrix = match shared {
-                Some(matrix) => matrix,
-                None => {
-                    own = open(&part.files[place])?;
-                    &own
-                }
-            };
-            freedoms = freedoms.or_else(|| matrix.freedoms.clone());
-            let factor = if part.power == 0.0 {
-                part.factor
-            } else {
-                part.factor * relative.powf(part.power)
-            };
-            if !factor.is_finite() {
+        for (part, matrix) in parts.iter().zip(&matrices) {
+            if [matrix.rows, matrix.columns] != size || size[0] != size[1] {
                 return Err(Box::new(Error::argument(format!(
-                    "a part with the power {} has no finite factor at {relative} times the reference",
-                    part.power
+                    "{} has {} rows and {} columns, and the first part {}; all must be square and of one size",
+                    part.files[place.min(part.files.len() - 1)].path.display(),
+                    matrix.rows,
+                    matrix.columns,
+                    size[0],
                 ))));
             }
-            let sum = &mut sums[part.kind as usize];
             let matrix = Sparse::new(matrix)?;
-            if let Some(before) = sum
-                && [before.rows(), before.columns()] != [matrix.rows(), matrix.columns()]
-            {
-                return Err(Box::new(Error::argument(format!(
-                    "parts of one matrix have {} and {} rows; they must have as many",
-                    before.rows(),
-                    matrix.rows()
-                ))));
-            }
+            let factor = self.family.factor(part, place)?;
+            let sum = &mut sums[part.kind as usize];
             *sum = Some(match sum.take() {
                 Some(before) => before.sum(1.0, &matrix, factor),
                 None => matrix.scaled(factor),
             });
         }
-        let [mass, damping, stiffness] = sums;
-        let (mass, stiffness) =
-            (mass.expect("the description was checked"), stiffness.expect("likewise"));
-        let damping = match damping {
-            Some(damping) => damping,
-            None => Sparse::from_entries(mass.rows(), mass.columns(), [])?,
-        };
-        Ok(Member { problem: Quadratic::new(mass, damping, stiffness)?, freedoms })
+        let [mass, damping, stiffness] = sums.map(|sum| match sum {
+            Some(sum) => Ok(sum),
+            None => Sparse::from_entries(size[0], size[1], []),
+        });
+        Ok(Quadratic::new(mass?, damping?, stiffness?)?)
     }
 }

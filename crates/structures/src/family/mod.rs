@@ -3,5 +3,5 @@
 mod description;
 mod follow;
 
-pub use description::{Family, Loaded, Member, Parameter};
+pub use description::{Family, Loaded, Parameter};
 pub use follow::{Branch, Crossing, Point, follow, grows};

@@ -30,19 +30,19 @@ pub fn run(arguments: &Matrices, out: &mut dyn Write) -> Result<(), Failure> {
     let progress = Progress::in_uneven_parts("the search for eigenvalues");
     let (mut searched, mut counted) = (Work::default(), Work::default());
     let mut look = |place: usize, watch: Watch<'_>| -> Result<Place, Failure> {
-        let member = loaded.member(place)?;
+        let problem = loaded.member(place)?;
         let begun = Instant::now();
         let first = |part: f64| (watch.progress)(SEARCH * part);
         let watch_search = Watch { progress: &first, ..watch };
         let options = Options::default();
-        let eigenvalues = eigenvalues(&member.problem, &rectangle, &options, watch_search)?;
+        let eigenvalues = eigenvalues(&problem, &rectangle, &options, watch_search)?;
         searched.add(begun, eigenvalues.factorizations);
         let begun = Instant::now();
         let second = |part: f64| (watch.progress)(SEARCH + (1.0 - SEARCH) * part);
         let watch_count = Watch { progress: &second, ..watch };
-        let count = count(&member.problem, &rectangle, &eigenvalues.found(), watch_count)?;
+        let count = count(&problem, &rectangle, &eigenvalues.found(), watch_count)?;
         counted.add(begun, count.factorizations);
-        Ok(Place::new(eigenvalues, count, member.problem.size()))
+        Ok(Place::new(eigenvalues, count, problem.size()))
     };
     #[allow(clippy::cast_precision_loss)]
     let places = watched(&progress, |watch| -> Result<Vec<Place>, Failure> {

@@ -8,7 +8,9 @@ use amontons_analysis::output::AtomicFile;
 use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::watched;
 use amontons_cli::progress::Progress;
-use amontons_matrices::{open, read_freedoms, write_freedoms, write_matrix_market, write_npy};
+use amontons_matrices::{
+    align, open, read_freedoms, write_freedoms, write_matrix_market, write_npy,
+};
 use amontons_structures::symmetric::{Request, Structure, Superelement, certify, reduce};
 use std::fs;
 use std::io::Write;
@@ -19,12 +21,14 @@ use table::{Certified, Report};
 const SHARES: [f64; 2] = [0.4, 0.8];
 
 pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
-    let stiffness = open(&arguments.stiffness)?;
-    let mass = open(&arguments.mass)?;
+    let mut stiffness = open(&arguments.stiffness)?;
+    let mut mass = open(&arguments.mass)?;
+    let also = arguments.also.iter().map(|(label, at)| Ok((label, open(at)?)));
+    let mut also = also.collect::<Result<Vec<_>, amontons_matrices::Error>>()?;
+    let others = also.iter_mut().map(|(_, matrix)| matrix);
+    align(&mut [&mut stiffness, &mut mass].into_iter().chain(others).collect::<Vec<_>>());
     let freedoms = arguments.freedoms.as_deref().map(read_freedoms).transpose()?;
     let structure = Structure::new(&stiffness, &mass, freedoms)?;
-    let also = arguments.also.iter().map(|(label, at)| Ok((label, open(at)?)));
-    let also = also.collect::<Result<Vec<_>, amontons_matrices::Error>>()?;
     let contacts = structure.rows_of(&arguments.contacts.0)?;
     let mut retained = arguments.contacts.0.clone();
     retained.extend(arguments.retain.iter().flat_map(|nodes| &nodes.0));
