@@ -45,7 +45,7 @@ const PACKAGES: [(&str, &[&str]); 5] = [
             "study",
         ],
     ),
-    ("crates/structures/src", &["sparse", "symmetric", "quadratic", "family"]),
+    ("crates/structures/src", &["random", "sparse", "symmetric", "quadratic", "family"]),
     ("crates/pictures/src", &["picture", "report"]),
     ("crates/export/src", &["scene", "feedthrough", "package", "documentation"]),
 ];

@@ -11,6 +11,8 @@ pub const ARGUMENTS: u8 = 2;
 pub const SCENE: u8 = 3;
 /// The run of a scene has failed.
 pub const RUN: u8 = 4;
+/// It was not shown that no mode is missing.
+pub const NOT_SHOWN: u8 = 4;
 /// Pieces of a study are missing that other workers compute.
 pub const MISSING: u8 = 5;
 /// The user has ended the command; shells use this code for Ctrl-C.

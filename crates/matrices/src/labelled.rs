@@ -34,18 +34,16 @@ pub(crate) fn position(freedoms: &[Freedom], freedom: Freedom) -> usize {
     freedoms.partition_point(|&other| other < freedom)
 }
 
-/// What the places of entries say of the symmetry of a matrix whose file is silent on it: programs write one triangle of a
-/// symmetric matrix, so that no entry has a partner across the diagonal, and both triangles of any other one.
+/// What the places of entries say of the symmetry of a matrix whose file is silent on it. Programs write one triangle of a
+/// symmetric matrix, so that no entry has a partner across the diagonal. A matrix of friction alone has such entries too, but
+/// not a diagonal entry in each of its rows.
 pub(crate) fn symmetry<T: Copy + Ord + Hash>(
-    mut places: impl Iterator<Item = (T, T)> + Clone,
+    places: impl Iterator<Item = (T, T)> + Clone,
 ) -> Symmetry {
-    // In most files all entries are on one side.
-    if places.clone().all(|(row, column)| row <= column)
-        || places.clone().all(|(row, column)| row >= column)
-    {
-        return Symmetry::Symmetric;
-    }
     let seen: HashSet<(T, T)> = places.clone().collect();
-    let partner = |(row, column)| row != column && seen.contains(&(column, row));
-    if places.any(partner) { Symmetry::General } else { Symmetry::Symmetric }
+    let is_symmetric = places.clone().all(|(row, column)| {
+        let has_partner = row != column && seen.contains(&(column, row));
+        !has_partner && seen.contains(&(row, row)) && seen.contains(&(column, column))
+    });
+    if is_symmetric { Symmetry::Symmetric } else { Symmetry::General }
 }

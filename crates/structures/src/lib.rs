@@ -4,6 +4,7 @@
 //!
 //! | module | contents |
 //! | --- | --- |
+//! | `random` | start vectors |
 //! | `sparse` | sparse matrices by columns |
 //! | [`symmetric`] | undamped structures: modes with bounds, superelements with a certificate |
 //! | [`quadratic`] | complex eigenvalues in a rectangle, and a count that shows that none is missing |
@@ -13,6 +14,7 @@
 
 pub mod family;
 pub mod quadratic;
+mod random;
 mod sparse;
 pub mod symmetric;
 

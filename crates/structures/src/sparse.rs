@@ -5,12 +5,14 @@ use amontons_matrices::Matrix;
 use faer::{Mat, MatRef};
 use std::ops::{AddAssign, Mul};
 
+/// A larger entry is no stiffness: Abaqus writes 1e36 on the diagonal of a degree of freedom that is held.
+const LARGEST: f64 = 1e30;
 /// The largest number of rows or columns: it bounds the memory that a short file can ask for.
 const MOST: usize = 10_000_000;
 
 /// A real sparse matrix by columns.
 ///
-/// The entries of a column have ascending rows, no place has two, and none is zero.
+/// The entries of a column have ascending rows, and no place has two.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sparse {
     rows: usize,
@@ -26,9 +28,18 @@ impl Sparse {
     /// Takes over the entries of a matrix of a file; zeros are dropped.
     ///
     /// # Errors
-    /// Returns an error if the matrix has more than 10⁷ rows or columns, or if its entries are outside it, not finite, or not
-    /// in the order that [`Matrix::entries`] states.
+    /// Returns an error if the matrix has more than 10⁷ rows or columns or an entry above 10³⁰, or if its entries are outside it,
+    /// not finite, or not in the order that [`Matrix::entries`] states.
     pub fn new(matrix: &Matrix) -> Result<Self, Error> {
+        if let Some(entry) = matrix.entries.iter().find(|entry| entry.value.abs() > LARGEST) {
+            return Err(Error::argument(format!(
+                "row {} and column {} hold {:e}, which stands for a held degree of freedom; write the matrices without boundary \
+                 conditions, and hold degrees of freedom by leaving their rows out",
+                entry.row + 1,
+                entry.column + 1,
+                entry.value
+            )));
+        }
         let entries = matrix.entries.iter().map(|entry| (entry.row, entry.column, entry.value));
         Self::from_entries(matrix.rows, matrix.columns, entries)
     }
@@ -309,19 +320,18 @@ impl Sparse {
         dense
     }
 
-    /// The place (row, column) of the largest |aᵢⱼ − aⱼᵢ|, and that difference.
+    /// The place (row, column) of a pair aᵢⱼ and aⱼᵢ whose difference is more than a part of √|aᵢᵢ aⱼⱼ|; `None` if there is none,
+    /// so that the matrix is symmetric but for rounding.
     #[must_use]
-    pub fn asymmetry(&self) -> (usize, usize, f64) {
-        let mut worst = (0, 0, 0.0);
-        for column in 0..self.columns() {
-            for (row, value) in self.column(column) {
+    pub fn asymmetry(&self, part: f64) -> Option<(usize, usize)> {
+        let diagonal = |at| self.entry(at, at).abs();
+        (0..self.columns()).find_map(|column| {
+            let worst = self.column(column).find(|&(row, value)| {
                 let difference = (value - self.entry(column, row)).abs();
-                if difference > worst.2 {
-                    worst = (row, column, difference);
-                }
-            }
-        }
-        worst
+                difference > part * (diagonal(row).sqrt() * diagonal(column).sqrt())
+            });
+            worst.map(|(row, _)| (row, column))
+        })
     }
 }
 

@@ -46,10 +46,8 @@ impl Branch {
     /// Where the growth rate changes its sign. Points at which it is not known whether the mode grows are left out.
     #[must_use]
     pub fn crossings(&self) -> Vec<Crossing> {
-        let pairs = self
-            .points
-            .windows(2)
-            .filter(|pair| (pair[0].eigenvalue.re > 0.0) != (pair[1].eigenvalue.re > 0.0));
+        let decided: Vec<&Point> = self.points.iter().filter(|it| it.grows.is_some()).collect();
+        let pairs = decided.windows(2).filter(|pair| pair[0].grows != pair[1].grows);
         pairs
             .map(|pair| {
                 let [before, after] = [pair[0].eigenvalue, pair[1].eigenvalue];
@@ -67,45 +65,57 @@ impl Branch {
 
 /// Joins the modes of neighbouring values to branches, those with the most similar vectors first. A mode whose vector is
 /// similar to none before begins a branch.
-#[must_use]
-pub fn follow(modes: &[Vec<&Mode>]) -> Vec<Branch> {
-    let mut branches: Vec<Branch> = Vec::new();
-    // For each mode of the value before, its branch.
-    let mut before: Vec<usize> = Vec::new();
-    for (value, now) in modes.iter().enumerate() {
+#[derive(Debug, Default)]
+pub struct Follower {
+    branches: Vec<Branch>,
+    /// The modes of the value before, each with the place of its branch.
+    before: Vec<(usize, Mode)>,
+    values: usize,
+}
+
+impl Follower {
+    /// Takes the modes of the next value. `weights` are those of the degrees of freedom in the comparison of shapes: the
+    /// diagonal of the mass matrix makes it independent of units, and of how rotations are measured beside displacements.
+    pub fn push(&mut self, modes: Vec<Mode>, weights: &[f64]) {
         let mut similar = Vec::new();
-        for (old, &branch) in before.iter().enumerate() {
-            for (new, mode) in now.iter().enumerate() {
-                let last = modes[value - 1][old];
-                let assurance = assurance(&last.vector, &mode.vector);
+        for (branch, last) in &self.before {
+            for (new, mode) in modes.iter().enumerate() {
+                let assurance = assurance(&last.vector, &mode.vector, weights);
                 if assurance >= SAME {
                     let closeness = assurance * alike(last.eigenvalue, mode.eigenvalue);
-                    similar.push((closeness, assurance, branch, new));
+                    similar.push((closeness, assurance, *branch, new));
                 }
             }
         }
         similar.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut own: Vec<Option<usize>> = vec![None; now.len()];
-        let mut taken = vec![false; branches.len()];
+        let mut own: Vec<Option<usize>> = vec![None; modes.len()];
+        let mut taken = vec![false; self.branches.len()];
         for (_, assurance, branch, new) in similar {
             if own[new].is_none() && !taken[branch] {
                 own[new] = Some(branch);
                 taken[branch] = true;
-                branches[branch].points.push(point(value, new, now[new], Some(assurance)));
+                let point = point(self.values, new, &modes[new], Some(assurance));
+                self.branches[branch].points.push(point);
             }
         }
-        before = own
-            .into_iter()
-            .enumerate()
-            .map(|(new, branch)| {
-                branch.unwrap_or_else(|| {
-                    branches.push(Branch { points: vec![point(value, new, now[new], None)] });
-                    branches.len() - 1
-                })
-            })
-            .collect();
+        let mut before = Vec::with_capacity(modes.len());
+        for (new, mode) in modes.into_iter().enumerate() {
+            let branch = own[new].unwrap_or_else(|| {
+                let point = point(self.values, new, &mode, None);
+                self.branches.push(Branch { points: vec![point] });
+                self.branches.len() - 1
+            });
+            before.push((branch, mode));
+        }
+        self.before = before;
+        self.values += 1;
     }
-    branches
+
+    /// The branches, in the order in which they begin.
+    #[must_use]
+    pub fn finish(self) -> Vec<Branch> {
+        self.branches
+    }
 }
 
 fn point(value: usize, place: usize, mode: &Mode, assurance: Option<f64>) -> Point {
@@ -130,16 +140,22 @@ fn alike(a: c64, b: c64) -> f64 {
     product.norm_sqr() / ((a.norm_sqr() + scale) * (b.norm_sqr() + scale))
 }
 
-/// The modal assurance criterion |xᴴ y|² / (‖x‖² ‖y‖²): 1 for vectors of one shape, 0 for orthogonal ones.
-fn assurance(x: &[c64], y: &[c64]) -> f64 {
-    let product: c64 = x.iter().zip(y).map(|(x, y)| x.conj() * y).sum();
-    let norm = |x: &[c64]| x.iter().map(|x| x.norm_sqr()).sum::<f64>();
+/// The modal assurance criterion |xᴴ W y|² / (xᴴ W x yᴴ W y): 1 for vectors of one shape, 0 for orthogonal ones.
+fn assurance(x: &[c64], y: &[c64], weights: &[f64]) -> f64 {
+    let product: c64 = x.iter().zip(y).zip(weights).map(|((x, y), w)| x.conj() * y * *w).sum();
+    let norm = |x: &[c64]| x.iter().zip(weights).map(|(x, w)| x.norm_sqr() * w).sum::<f64>();
     product.norm_sqr() / (norm(x) * norm(y))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn followed<const N: usize>(all: [Vec<Mode>; N]) -> Vec<Branch> {
+        let mut follower = Follower::default();
+        all.into_iter().for_each(|modes| follower.push(modes, &[1.0; 3]));
+        follower.finish()
+    }
 
     fn mode(re: f64, im: f64, vector: [f64; 3]) -> Mode {
         let vector = vector.map(|part| c64::new(part, 0.0)).to_vec();
@@ -154,8 +170,7 @@ mod tests {
             vec![mode(-1.0, 10.0, [0.1, 2.0, 0.0]), mode(-0.5, 10.5, [3.0, 0.1, 0.0])],
             vec![mode(1.0, 11.0, [2.0, 0.2, 0.1]), mode(-2.0, 12.0, [0.0, 0.1, 1.0])],
         ];
-        let lists: Vec<Vec<&Mode>> = all.iter().map(|modes| modes.iter().collect()).collect();
-        let branches = follow(&lists);
+        let branches = followed(all);
         let values = |branch: &Branch| -> Vec<f64> {
             branch.points.iter().map(|point| point.eigenvalue.im).collect()
         };
@@ -174,8 +189,7 @@ mod tests {
             vec![mode(-20.0, 0.0, [1.0, 0.0, 0.0]), mode(0.0, 0.0, [1.0, 0.0, 0.0])],
             vec![mode(1e-6, 0.0, [1.0, 0.0, 0.0]), mode(-40.0, 0.0, [1.0, 0.0, 0.0])],
         ];
-        let lists: Vec<Vec<&Mode>> = all.iter().map(|modes| modes.iter().collect()).collect();
-        let branches = follow(&lists);
+        let branches = followed(all);
         let ends: Vec<f64> = branches.iter().map(|branch| branch.points[1].eigenvalue.re).collect();
         assert_eq!(ends, [-40.0, 1e-6]);
         // 10⁻⁶ is within its error bound, so nothing begins to grow.

@@ -4,4 +4,4 @@ mod description;
 mod follow;
 
 pub use description::{Family, Loaded, Parameter};
-pub use follow::{Branch, Crossing, Point, follow, grows};
+pub use follow::{Branch, Crossing, Follower, Point, grows};

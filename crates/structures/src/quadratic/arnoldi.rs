@@ -1,7 +1,7 @@
 //! Eigenvalues nearest to a shift by the Arnoldi method.
 
-use super::random;
 use super::shifted::{Shifted, norm};
+use crate::random;
 use amontons::Error;
 use amontons_analysis::watch::Watch;
 use faer::linalg::matmul::matmul;

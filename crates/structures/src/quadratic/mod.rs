@@ -8,7 +8,6 @@ mod disc;
 mod factors;
 mod merge;
 mod problem;
-mod random;
 mod rectangle;
 mod search;
 mod shifted;

@@ -67,6 +67,12 @@ impl Quadratic {
         &self.stiffness
     }
 
+    /// The diagonal of the mass matrix, without its sign.
+    #[must_use]
+    pub fn masses(&self) -> Vec<f64> {
+        (0..self.size()).map(|row| self.mass.entry(row, row).abs()).collect()
+    }
+
     /// |λ|² ‖M‖ + |λ| ‖C‖ + ‖K‖ in the 1-norm, to which the residual of a backward error is compared.
     pub(super) fn norm(&self, lambda: c64) -> f64 {
         let [mass, damping, stiffness] = self.norms;

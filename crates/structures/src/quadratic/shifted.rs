@@ -64,7 +64,7 @@ pub(super) fn factorise<'a>(
     lambda: c64,
 ) -> Result<Factors<'a>, Error> {
     let factors = Factors::new(analysis, lambda)?;
-    let start = super::random::vector(1, problem.size());
+    let start = crate::random::vector(1, problem.size());
     let mut x = start.clone();
     factors.solve(false, &mut x);
     let residual = norm(&difference(problem.apply(lambda, false, &x), &start));

@@ -4,8 +4,10 @@ use super::factor::Factors;
 use crate::sparse::Sparse;
 use faer::{Mat, MatRef};
 
-/// Inflates a bound for the rounding of the norms in it; that of the residual itself is far below.
+/// Inflates a bound for the rounding of the norms in it.
 const NORMS: f64 = 1.0 + 1e-6;
+/// A solution with the mass matrix may leave this part of its right side.
+const SOLVED: f64 = 1e-7;
 
 /// An eigenvalue λ = ω² of K x = λ M x with a vector, and how far an eigenvalue of the matrices can be from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,10 +19,12 @@ pub struct Bounded {
 }
 
 impl Bounded {
-    /// The frequencies that belong to the ends of the interval, Hz; 0 for a negative end.
+    /// The frequencies that belong to the ends of the interval, Hz, rounded outwards; 0 for a negative end.
     #[must_use]
     pub fn frequencies(&self) -> [f64; 2] {
-        [self.value - self.distance, self.value + self.distance].map(frequency)
+        let low = frequency((self.value - self.distance).next_down()) * (1.0 - 2.0 * f64::EPSILON);
+        let high = frequency((self.value + self.distance).next_up()) * (1.0 + 2.0 * f64::EPSILON);
+        [low, high]
     }
 }
 
@@ -59,14 +63,57 @@ pub fn bound(
     }
     let mut solved = residuals.clone();
     mass_factors.solve(solved.as_mut());
+    let left = mass.times(solved.as_ref()) - &residuals;
     (0..values.len())
         .map(|mode| {
-            let square: f64 =
-                (0..stiffness.rows()).map(|row| residuals[(row, mode)] * solved[(row, mode)]).sum();
-            let distance = (square.max(0.0) / norms[mode]).sqrt() * NORMS;
+            let residual = residuals.col(mode);
+            let square = residual.transpose() * solved.col(mode);
+            let is_solved = left.col(mode).norm_l2() <= SOLVED * residual.norm_l2();
+            // Nothing is known where a number is not finite, or rounding has spoiled the solution.
+            let distance = if is_solved && square >= 0.0 {
+                (square / norms[mode]).sqrt() * NORMS
+            } else {
+                f64::INFINITY
+            };
             Bounded { value: values[mode], distance }
         })
         .collect()
+}
+
+/// Widens the intervals that overlap, so that a group of m of them contains m eigenvalues: each then has the root of the sum of
+/// the squares in its group (Kahan). `bounds` are in ascending order of their values, of vectors that are orthonormal in M.
+#[must_use]
+pub fn grouped(bounds: &[Bounded]) -> Vec<Bounded> {
+    let mut groups: Vec<Vec<Bounded>> = bounds.iter().map(|&bounded| vec![bounded]).collect();
+    loop {
+        let mut joined: Vec<Vec<Bounded>> = Vec::new();
+        for group in groups.iter().cloned() {
+            match joined.last_mut() {
+                Some(last) if high(last) >= low(&group) => last.extend(group),
+                _ => joined.push(group),
+            }
+        }
+        if joined.len() == groups.len() {
+            let widened = groups.iter().flat_map(|group| {
+                let distance = width(group);
+                group.iter().map(move |bounded| Bounded { distance, ..*bounded })
+            });
+            return widened.collect();
+        }
+        groups = joined;
+    }
+}
+
+fn width(group: &[Bounded]) -> f64 {
+    group.iter().map(|bounded| bounded.distance.powi(2)).sum::<f64>().sqrt()
+}
+
+fn low(group: &[Bounded]) -> f64 {
+    group.iter().map(|bounded| bounded.value).fold(f64::INFINITY, f64::min) - width(group)
+}
+
+fn high(group: &[Bounded]) -> f64 {
+    group.iter().map(|bounded| bounded.value).fold(f64::NEG_INFINITY, f64::max) + width(group)
 }
 
 /// The unevaluated sum of two doubles, of which the second holds what the first has lost.
@@ -125,6 +172,17 @@ fn product(a: f64, b: f64) -> Double {
 mod tests {
     use super::*;
 
+    /// The first two overlap; widened, they reach the third.
+    #[test]
+    fn intervals_that_overlap_are_widened_together() {
+        let bounded = |value, distance| Bounded { value, distance };
+        let found =
+            grouped(&[bounded(1.0, 0.3), bounded(1.5, 0.4), bounded(2.05, 0.1), bounded(4.0, 0.2)]);
+        let together = (0.3_f64.powi(2) + 0.4_f64.powi(2) + 0.1_f64.powi(2)).sqrt();
+        let distances: Vec<f64> = found.iter().map(|bounded| bounded.distance).collect();
+        assert_eq!(distances, [together, together, together, 0.2]);
+    }
+
     /// 2⁵³ + 1 and 2⁵³ − 1 have the product 2¹⁰⁶ − 1, which no double holds.
     #[test]
     fn sums_of_products_keep_what_a_double_loses() {
@@ -132,8 +190,10 @@ mod tests {
         let exact = product(a, b);
         let integer = (a as i128) * (b as i128);
         assert_eq!(exact.high as i128 + exact.low as i128, integer);
+        // 2⁵⁴ − 1 is rounded in a product, and a half beside it.
+        let (a, b) = (134_217_729.0, 134_217_727.0);
         let row = [(0, a), (1, 1.0), (2, -a)];
-        let total = dot(row.into_iter(), &[b, 0.5, b]);
-        assert_eq!(total.high, 0.5);
+        assert_eq!(a * b + 0.5 - a * b, 0.0);
+        assert_eq!(dot(row.into_iter(), &[b, 0.5, b]).high, 0.5);
     }
 }

@@ -1,17 +1,14 @@
 //! How far the modes of a superelement are from those of the full matrices, and that none is missing.
 
-use super::bounds::{Bounded, frequency};
+use super::bounds::{Bounded, frequency, grouped};
 use super::factor::negative;
 use super::lanczos::dense;
-use super::modes::{below, bounded};
+use super::modes::below;
 use super::reduction::Superelement;
 use super::structure::Structure;
 use amontons::Error;
 use amontons_analysis::watch::Watch;
 use faer::{Mat, Side};
-
-/// A mode whose frequency is at most this part of the limit is rigid.
-const RIGID: f64 = 1e-5;
 
 /// What is known of the modes below a limit.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +19,11 @@ pub struct Certificate {
     pub full: usize,
     /// The number of modes of the superelement below the limit, by the same count.
     pub reduced: usize,
-    /// For each mode of the full matrices below the limit, in ascending order: an interval that contains its eigenvalue.
+    /// For each mode of the full matrices below the limit, in ascending order: an interval that contains its eigenvalue. A
+    /// group of m intervals that overlap contains m eigenvalues.
     pub intervals: Vec<Bounded>,
+    /// The rounding of an eigenvalue by the digits of the matrices, 1/s².
+    pub rounding: f64,
     /// The frequency of the superelement's mode of the same rank, Hz: it is never lower, but for rounding.
     pub frequencies: Vec<f64>,
 }
@@ -38,11 +38,12 @@ impl Certificate {
             && self.intervals.iter().all(|interval| interval.frequencies()[1] < self.limit)
     }
 
-    /// `true` for a mode that moves the structure as a rigid body, or a mechanism: its frequency is at most
-    /// 10⁻⁵ of the limit. Rounding of the matrices leaves such frequencies a little off 0, so that they have no relative error.
+    /// `true` for a mode that moves the structure as a rigid body or a mechanism: its eigenvalue cannot be told from 0 by the
+    /// digits of the matrices.
     #[must_use]
     pub fn is_rigid(&self, mode: usize) -> bool {
-        self.intervals[mode].frequencies()[1] <= RIGID * self.limit
+        let Bounded { value, distance } = self.intervals[mode];
+        value.abs() - distance <= self.rounding
     }
 
     /// The largest possible relative error of a frequency of the superelement; `None` for a rigid mode.
@@ -58,7 +59,8 @@ impl Certificate {
 /// `held` (rows of the full matrices, all of them retained) are held.
 ///
 /// # Errors
-/// Returns an error if the matrices cannot be factored within `memory` bytes, or if the work has been ended.
+/// Returns an error if a held degree of freedom is not retained, if the structure is not at rest in a stable position or has a
+/// motion without mass, if more than `memory` bytes are needed, or if the work has been ended.
 pub fn certify(
     structure: &Structure,
     superelement: &Superelement,
@@ -67,15 +69,21 @@ pub fn certify(
     memory: usize,
     watch: Watch<'_>,
 ) -> Result<Certificate, Error> {
-    let free: Vec<usize> =
-        (0..structure.freedoms.len()).filter(|row| !held.contains(row)).collect();
+    let mut is_held = vec![false; structure.freedoms.len()];
+    for &row in held {
+        if !superelement.retained.contains(&row) {
+            return Err(Error::argument(format!("row {} is held but not retained", row + 1)));
+        }
+        is_held[row] = true;
+    }
+    let free: Vec<usize> = (0..is_held.len()).filter(|&row| !is_held[row]).collect();
     let stiffness = structure.stiffness.part(&free, &free);
     let mass = structure.mass.part(&free, &free);
     let counted = below(&stiffness, &mass, limit, memory, watch)?;
-    let intervals = bounded(&stiffness, &mass, &counted.modes, memory)?;
+    let intervals = grouped(&counted.bounds);
 
     let coordinates: Vec<usize> = (0..superelement.stiffness.nrows())
-        .filter(|&at| superelement.retained.get(at).is_none_or(|row| !held.contains(row)))
+        .filter(|&at| superelement.retained.get(at).is_none_or(|&row| !is_held[row]))
         .collect();
     let part = |matrix: &Mat<f64>| {
         Mat::from_fn(coordinates.len(), coordinates.len(), |row, column| {
@@ -95,8 +103,11 @@ pub fn certify(
             |at| factors.B_diag()[at],
             |at| factors.B_subdiag()[at],
         )
-        .unwrap_or(0),
+        .ok_or_else(|| {
+            Error::analysis("the modes of the superelement cannot be counted at this frequency; ask for another one")
+        })?,
         frequencies: values.iter().take(intervals.len()).map(|&value| frequency(value)).collect(),
         intervals,
+        rounding: counted.rounding,
     })
 }

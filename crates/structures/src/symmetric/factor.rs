@@ -60,8 +60,9 @@ impl Pattern {
     }
 }
 
+/// A number of bytes in a message.
 #[allow(clippy::cast_precision_loss)]
-fn gigabytes(bytes: usize) -> String {
+pub fn gigabytes(bytes: usize) -> String {
     format!("{:.3} GB", bytes as f64 * 1e-9)
 }
 

@@ -1,17 +1,29 @@
 //! The lowest eigenvalues of a large symmetric problem, by a block Lanczos iteration with full orthogonalisation.
 
+use super::bounds::frequency;
 use super::factor::Factors;
+use crate::random;
 use crate::sparse::Sparse;
 use amontons::Error;
 use amontons_analysis::watch::Watch;
 use faer::{Mat, MatRef, Side};
 
-/// Vectors that are multiplied at once; eigenvalues that are this many times as many at one place are found together.
+/// Vectors that are multiplied at once. As many copies of a multiple eigenvalue are found together; more take longer.
 const BLOCK: usize = 8;
 /// A vector has converged if its residual is below this part of its value.
 const CONVERGED: f64 = 1e-12;
 /// A vector with less than this part left after it was made orthogonal is lost to rounding.
 const LOST: f64 = 1e-10;
+
+/// What is looked for.
+pub struct Wanted {
+    /// The number of eigenvalues.
+    pub count: usize,
+    /// They are below this one, 1/s², and no others are.
+    pub below: f64,
+    /// The most vectors that may be kept.
+    pub room: usize,
+}
 
 /// Eigenvalues in ascending order, and their vectors as columns, XᵀMX = I.
 pub struct Modes {
@@ -19,20 +31,20 @@ pub struct Modes {
     pub vectors: Mat<f64>,
 }
 
-/// The `count` lowest eigenvalues λ of K x = λ M x, by factors of K − `shift` M, with `shift` below all of them.
+/// The lowest eigenvalues λ of K x = λ M x, by factors of K − `shift` M, with `shift` below all of them.
 ///
-/// The iteration goes on until `count` vectors have converged; how many there are must be known, so that a copy of a
-/// multiple eigenvalue is not missed.
+/// The iteration goes on until as many vectors have converged as are wanted; how many there are must be known, so that a copy
+/// of a multiple eigenvalue is not missed. It never has more values below the limit than there are (Cauchy), so if it has more
+/// than are wanted, the count was wrong.
 ///
 /// # Errors
-/// Returns an error if the work has been ended, or if the iteration has filled the space without finding them.
+/// Returns an error if the work has been ended, if the count is wrong, or if the vectors do not find room.
 pub fn lowest(
     stiffness: &Sparse,
     mass: &Sparse,
     factors: &Factors<'_>,
     shift: f64,
-    count: usize,
-    below: f64,
+    &Wanted { count, below, room }: &Wanted,
     watch: Watch<'_>,
 ) -> Result<Modes, Error> {
     let order = mass.rows();
@@ -40,38 +52,57 @@ pub fn lowest(
         return Ok(Modes { values: Vec::new(), vectors: Mat::zeros(order, 0) });
     }
     let mut basis = Basis::new(order);
-    let mut block = basis.append(mass, start(order, BLOCK.min(order))).0;
+    let mut block = basis.append(mass, random::block(0, order, BLOCK.min(order))).0;
     // T = VᵀM(K − shift M)⁻¹MV, by its columns.
     let mut projected: Vec<Mat<f64>> = Vec::new();
+    let mut next_look = count;
     loop {
         watch.check()?;
         let size = basis.size;
+        if size > room {
+            return Err(Error::analysis(format!(
+                "{count} modes below {:.6} Hz need more memory than is allowed; allow more with --memory, or ask for a lower frequency",
+                frequency(below)
+            )));
+        }
         let mut next = mass.times(basis.columns(size - block, block));
         factors.solve(next.as_mut());
         let (appended, coefficients) = basis.append(mass, next);
         projected.push(coefficients);
-        let (values, vectors) = eigen(&projected, size)?;
-        // θ = 1 / (λ − shift); ascending, so that the wanted ones are last.
-        let last = projected.last().expect("one was pushed");
-        let beyond = last.submatrix(size, 0, last.nrows() - size, last.ncols());
-        let residual = beyond * vectors.submatrix(size - block, 0, block, size);
-        let found = (0..size).rev().filter(|&at| {
-            values[at] > 0.0
-                && shift + 1.0 / values[at] < below
-                && (residual.nrows() == 0 || residual.col(at).norm_l2() < CONVERGED * values[at])
-        });
-        let found: Vec<usize> = found.take(count).collect();
-        #[allow(clippy::cast_precision_loss)]
-        (watch.progress)(found.len() as f64 / count as f64);
-        if found.len() == count {
-            let chosen = Mat::from_fn(size, count, |row, at| vectors[(row, found[at])]);
-            return polish(stiffness, mass, factors, &(basis.columns(0, size) * chosen));
-        }
-        if appended == 0 {
-            return Err(Error::analysis(format!(
-                "the iteration for {count} eigenvalues has found only {} in {size} directions",
-                found.len()
-            )));
+        if size >= next_look || appended == 0 {
+            // Each look costs the cube of the size.
+            next_look = size + (size / 10).max(BLOCK);
+            let (values, vectors) = eigen(&projected, size)?;
+            // θ = 1 / (λ − shift); ascending, so that the wanted ones are last.
+            let last = projected.last().expect("one was pushed");
+            let beyond = last.submatrix(size, 0, last.nrows() - size, last.ncols());
+            let residual = beyond * vectors.submatrix(size - block, 0, block, size);
+            let is_wanted = |at: &usize| values[*at] > 0.0 && shift + 1.0 / values[*at] < below;
+            let inside: Vec<usize> = (0..size).rev().filter(is_wanted).collect();
+            let is_found = |at: &usize| {
+                residual.nrows() == 0 || residual.col(*at).norm_l2() < CONVERGED * values[*at]
+            };
+            let found: Vec<usize> = inside.iter().copied().filter(is_found).collect();
+            #[allow(clippy::cast_precision_loss)]
+            (watch.progress)(found.len() as f64 / count as f64);
+            if inside.len() > count {
+                return Err(Error::analysis(format!(
+                    "there are {} modes below {:.6} Hz, but {count} were counted; ask for another frequency",
+                    inside.len(),
+                    frequency(below)
+                )));
+            }
+            if found.len() == count {
+                let chosen = Mat::from_fn(size, count, |row, at| vectors[(row, found[at])]);
+                return polish(stiffness, mass, factors, &(basis.columns(0, size) * chosen));
+            }
+            if appended == 0 {
+                return Err(Error::analysis(format!(
+                    "of {count} modes below {:.6} Hz only {} were found; ask for another frequency",
+                    frequency(below),
+                    found.len()
+                )));
+            }
         }
         block = appended;
     }
@@ -203,18 +234,4 @@ fn norms(mass: &Sparse, block: &Mat<f64>) -> Vec<f64> {
     (0..block.ncols())
         .map(|column| (block.col(column).transpose() * product.col(column)).max(0.0).sqrt())
         .collect()
-}
-
-/// A block with a part of every mode, the same on every machine (splitmix64).
-fn start(order: usize, width: usize) -> Mat<f64> {
-    let mut state = 0_u64;
-    Mat::from_fn(order, width, |_, _| {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = state;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        #[allow(clippy::cast_precision_loss)]
-        let part = ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-        part - 0.5
-    })
 }

@@ -1,11 +1,13 @@
-//! All undamped modes below a frequency, and the count that shows that none is missing.
+//! All undamped modes below a frequency, their bounds, and the count that shows that none is missing.
 
 use super::bounds::{Bounded, bound, frequency};
 use super::factor::{Factors, Pattern};
-use super::lanczos::{Modes, lowest};
+use super::lanczos::{Modes, Wanted, lowest};
+use crate::random;
 use crate::sparse::Sparse;
 use amontons::Error;
 use amontons_analysis::watch::Watch;
+use faer::Mat;
 use std::f64::consts::TAU;
 
 /// The shift below all eigenvalues, as a part of the limit's frequency: free structures have modes at 0, where K itself has
@@ -13,8 +15,15 @@ use std::f64::consts::TAU;
 const SHIFT: f64 = 0.1;
 /// No eigenvalue is nearer to the limit than this part of it.
 const CLEAR: f64 = 1e-6;
+/// Rounding of the factors may move an eigenvalue near the limit by this part of that distance.
+const MOVED: f64 = 0.1;
 /// Trials of a limit.
-const TRIALS: usize = 50;
+const TRIALS: usize = 20;
+/// Programs print 14 digits or more: the entries of K are rounded by this part, and so is an eigenvalue by this part of the
+/// largest one.
+const DIGITS: f64 = 1e-13;
+/// Multiplications in the estimate of the largest eigenvalue, which they find within a few percent.
+const MULTIPLICATIONS: usize = 30;
 
 /// All modes below a limit.
 pub struct Counted {
@@ -24,12 +33,17 @@ pub struct Counted {
     pub count: usize,
     /// The modes.
     pub modes: Modes,
+    /// The intervals of the modes.
+    pub bounds: Vec<Bounded>,
+    /// The rounding of an eigenvalue by the digits of the matrices, 1/s²: a smaller one cannot be told from 0.
+    pub rounding: f64,
 }
 
 /// Finds all modes of K x = λ M x below a frequency in Hz.
 ///
 /// # Errors
-/// Returns an error if an eigenvalue is negative, if the work has been ended, or if more than `memory` bytes are needed.
+/// Returns an error if K has a negative eigenvalue or M one that is not positive, if the work has been ended, or if more than
+/// `memory` bytes are needed.
 pub fn below(
     stiffness: &Sparse,
     mass: &Sparse,
@@ -38,34 +52,55 @@ pub fn below(
     watch: Watch<'_>,
 ) -> Result<Counted, Error> {
     let pattern = Pattern::new(&stiffness.sum(1.0, mass, 1.0), memory)?;
-    let (limit, count) = count(stiffness, mass, &pattern, (TAU * limit).powi(2))?;
-    let needed = pattern.bytes() + 4 * count * mass.rows() * size_of::<f64>();
-    if needed > memory {
-        return Err(Error::analysis(format!(
-            "{count} modes below {} Hz need about {:.1} GB of memory; allow more with --memory, or ask for a lower frequency",
-            frequency(limit),
-            needed as f64 * 1e-9
-        )));
+    let mass_pattern = Pattern::new(mass, memory)?;
+    let mass_factors = Factors::new(&mass_pattern, mass);
+    if mass_factors.negative() != Some(0) {
+        return Err(Error::analysis(
+            "the mass matrix is not positive definite: some motion has no kinetic energy, or a negative one; check that it is the \
+             mass matrix, that its digits were not cut, and that its elements are integrated at enough points",
+        ));
     }
-    watch.check()?;
+    let rounding = DIGITS * largest(stiffness, mass, &mass_factors);
+    let (limit, count) = count(stiffness, mass, &pattern, (TAU * limit).powi(2), watch)?;
     let shift = -(SHIFT * SHIFT) * limit;
     let factors = Factors::new(&pattern, &stiffness.sum(1.0, mass, -shift));
-    match factors.negative() {
-        Some(0) => {}
-        Some(negative) => {
-            return Err(Error::analysis(format!(
-                "the stiffness matrix has {negative} negative eigenvalues, so the structure is not at rest; check the sign of the \
-                 matrix, and whether loads were applied that buckle it"
-            )));
-        }
-        None => {
-            return Err(Error::analysis(
-                "the stiffness matrix cannot be factored: a pivot is zero or not finite",
-            ));
-        }
+    if factors.negative() != Some(0) {
+        return Err(unstable("far below 0"));
     }
-    let modes = lowest(stiffness, mass, &factors, shift, count, limit, watch)?;
-    Ok(Counted { limit, count, modes })
+    let room = memory.saturating_sub(pattern.bytes()) / (3 * size_of::<f64>() * mass.rows().max(1));
+    let wanted = Wanted { count, below: limit, room };
+    let modes = lowest(stiffness, mass, &factors, shift, &wanted, watch)?;
+    let bounds = bound(stiffness, mass, &mass_factors, &modes.values, modes.vectors.as_ref());
+    match bounds.iter().find(|bounded| bounded.value + bounded.distance < -rounding) {
+        Some(negative) => Err(unstable(&format!("ω² = {:.4e} 1/s²", negative.value))),
+        None => Ok(Counted { limit, count, modes, bounds, rounding }),
+    }
+}
+
+fn unstable(eigenvalue: &str) -> Error {
+    Error::analysis(format!(
+        "the stiffness matrix has a negative eigenvalue, {eigenvalue}: the structure falls away from its position; check the sign of \
+         the matrix, and whether loads that buckle it are in it"
+    ))
+}
+
+/// About the largest eigenvalue, by repeated multiplication.
+fn largest(stiffness: &Sparse, mass: &Sparse, mass_factors: &Factors<'_>) -> f64 {
+    let mut vector = random::block(1, stiffness.rows(), 1);
+    let mut quotient = 0.0;
+    for _ in 0..MULTIPLICATIONS {
+        let mut next = stiffness.times(vector.as_ref());
+        let inertia = mass.times(vector.as_ref());
+        let product = |a: &Mat<f64>| (vector.transpose() * a)[(0, 0)];
+        quotient = product(&next) / product(&inertia);
+        mass_factors.solve(next.as_mut());
+        let scale = next.norm_max();
+        if !(scale.is_normal() && quotient.is_finite()) {
+            break;
+        }
+        vector = next * faer::Scale(1.0 / scale);
+    }
+    quotient.abs()
 }
 
 /// The number of eigenvalues below a limit. It is counted a little below and a little above; if the numbers differ, the limit
@@ -75,11 +110,24 @@ fn count(
     mass: &Sparse,
     pattern: &Pattern,
     mut limit: f64,
+    watch: Watch<'_>,
 ) -> Result<(f64, usize), Error> {
-    let below = |limit: f64| Factors::new(pattern, &stiffness.sum(1.0, mass, -limit)).negative();
     for _ in 0..TRIALS {
-        let [low, high] = [below(limit * (1.0 - CLEAR)), below(limit * (1.0 + CLEAR))];
-        if let (Some(low), Some(high)) = (low, high)
+        let mut counts = [None; 2];
+        for (count, part) in counts.iter_mut().zip([1.0 - CLEAR, 1.0 + CLEAR]) {
+            watch.check()?;
+            let shifted = stiffness.sum(1.0, mass, -limit * part);
+            let factors = Factors::new(pattern, &shifted);
+            if moved(&shifted, mass, &factors) > MOVED * CLEAR * limit {
+                return Err(Error::analysis(format!(
+                    "the modes below {:.6} Hz cannot be counted: rounding moves eigenvalues there by more than a millionth; the \
+                     stiffest parts are too stiff beside this frequency, so make rigid parts softer or ask for a higher frequency",
+                    frequency(limit)
+                )));
+            }
+            *count = factors.negative();
+        }
+        if let [Some(low), Some(high)] = counts
             && low == high
         {
             return Ok((limit, low));
@@ -87,28 +135,25 @@ fn count(
         limit *= 1.0 + 4.0 * CLEAR;
     }
     Err(Error::analysis(format!(
-        "the modes below {} Hz cannot be counted: there are modes too near to it; ask for another frequency",
+        "the modes below {:.6} Hz cannot be counted: there are modes too near to it; ask for another frequency",
         frequency(limit)
     )))
 }
 
-/// The intervals of all modes found.
-///
-/// # Errors
-/// Returns an error if the mass matrix is not positive definite, or needs more than `memory` bytes.
-pub fn bounded(
-    stiffness: &Sparse,
-    mass: &Sparse,
-    modes: &Modes,
-    memory: usize,
-) -> Result<Vec<Bounded>, Error> {
-    let pattern = Pattern::new(mass, memory)?;
-    let factors = Factors::new(&pattern, mass);
-    if factors.negative() != Some(0) {
-        return Err(Error::analysis(
-            "the mass matrix is not positive definite: some motion has no kinetic energy, or a negative one; check that it is the \
-             mass matrix, and that its digits were not cut",
-        ));
+/// About how far the rounding of the factors of K − λM moves the eigenvalue nearest to λ, 1/s². The factors are exact ones of
+/// K − λM + E; the solution of a right side shows E x, and x is mostly the vector of that eigenvalue.
+fn moved(shifted: &Sparse, mass: &Sparse, factors: &Factors<'_>) -> f64 {
+    let mut vector = random::block(2, shifted.rows(), 1);
+    let mut moved = 0.0;
+    for _ in 0..2 {
+        let right = mass.times(vector.as_ref());
+        let mut solved = right.clone();
+        factors.solve(solved.as_mut());
+        let scale = 1.0 / solved.norm_max();
+        let rest = (shifted.times(solved.as_ref()) - right) * faer::Scale(scale);
+        vector = solved * faer::Scale(scale);
+        let energy = (vector.transpose() * mass.times(vector.as_ref()))[(0, 0)];
+        moved = vector.norm_l2() * rest.norm_l2() / energy;
     }
-    Ok(bound(stiffness, mass, &factors, &modes.values, modes.vectors.as_ref()))
+    moved
 }

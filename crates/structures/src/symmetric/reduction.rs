@@ -1,6 +1,6 @@
 //! Reduction to a superelement: Craig and Bampton's.
 
-use super::factor::{Factors, Pattern};
+use super::factor::{Factors, Pattern, gigabytes};
 use super::modes::below;
 use super::structure::Structure;
 use crate::sparse::Sparse;
@@ -8,10 +8,6 @@ use amontons::Error;
 use amontons_analysis::watch::Watch;
 use amontons_matrices::{Entry, Freedom, Matrix, Symmetry};
 use faer::Mat;
-use std::f64::consts::TAU;
-
-/// A lowest frequency of the structure with its retained nodes held that is this part of the limit counts as zero.
-const LOOSE: f64 = 1e-4;
 
 /// What a superelement keeps.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,8 +33,8 @@ pub struct Superelement {
     pub modes: Vec<f64>,
     /// The motion of all degrees of freedom for a unit of each coordinate: one row for each row of the full matrices.
     pub basis: Mat<f64>,
-    /// The share of the moving mass along x, y and z that the kept modes move, while the retained degrees of freedom are
-    /// held; `None` where nothing moves along that axis.
+    /// How much of a translation of the inner nodes along x, y and z the kept modes can make, as a part of its kinetic energy;
+    /// `None` where nothing moves along that axis.
     pub moved_mass: [Option<f64>; 3],
 }
 
@@ -111,8 +107,15 @@ pub fn reduce(
     let order = full_stiffness.rows();
     let retained = &request.retained;
     let mut is_retained = vec![false; order];
+    for pair in retained.windows(2) {
+        if pair[0] >= pair[1] {
+            return Err(Error::argument("retained rows must be in ascending order, each once"));
+        }
+    }
     for &row in retained {
-        is_retained[row] = true;
+        *is_retained.get_mut(row).ok_or_else(|| {
+            Error::argument(format!("row {} is retained, but there are {order}", row + 1))
+        })? = true;
     }
     let inner: Vec<usize> = (0..order).filter(|&row| !is_retained[row]).collect();
     if retained.is_empty() || inner.is_empty() {
@@ -126,14 +129,25 @@ pub fn reduce(
     let stiffness_across = full_stiffness.part(&inner, retained);
     let mass_across = full_mass.part(&inner, retained);
 
-    let modes = below(&stiffness, &mass, request.modes_to, request.memory, watch)?.modes;
-    if let Some(lowest) = modes.values.first()
-        && *lowest < (LOOSE * TAU * request.modes_to).powi(2)
+    let counted = below(&stiffness, &mass, request.modes_to, request.memory, watch)?;
+    if counted.bounds.first().is_some_and(|first| first.value <= counted.rounding + first.distance)
     {
         return Err(Error::analysis(
             "with the retained nodes held, a part of the structure can still move freely; retain at least three nodes of each part \
              that are not on one line",
         ));
+    }
+    let modes = counted.modes;
+    let (held, kept) = (retained.len(), modes.values.len());
+    // The static shapes, their products with K and M, the modes and the basis.
+    let needed = size_of::<f64>().saturating_mul(order).saturating_mul(5 * held + 3 * kept);
+    if needed > request.memory {
+        return Err(Error::analysis(format!(
+            "{held} retained degrees of freedom and {kept} modes need {} of memory, and {} are allowed; retain fewer nodes, or allow \
+             more with --memory",
+            gigabytes(needed),
+            gigabytes(request.memory)
+        )));
     }
     watch.check()?;
 
@@ -144,7 +158,6 @@ pub fn reduce(
     shapes *= faer::Scale(-1.0);
     watch.check()?;
 
-    let (held, kept) = (retained.len(), modes.values.len());
     let inertia = mass.times(shapes.as_ref()) + mass_across.dense();
     let static_stiffness = full_stiffness.part(retained, retained).dense()
         + stiffness_across.transposed().times(shapes.as_ref());

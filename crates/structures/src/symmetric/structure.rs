@@ -3,9 +3,10 @@
 use crate::sparse::Sparse;
 use amontons::Error;
 use amontons_matrices::{Freedom, Matrix};
+use std::collections::BTreeSet;
 
-/// Rounding of printed digits that counts as symmetric, as a part of the largest entry.
-const SYMMETRIC: f64 = 1e-10;
+/// Rounding of printed digits that counts as symmetric, as a part of the diagonal.
+const SYMMETRIC: f64 = 1e-9;
 
 /// An undamped structure: M q̈ + K q = f with symmetric matrices, M positive definite.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,16 +17,12 @@ pub struct Structure {
 }
 
 impl Structure {
-    /// A structure of matrices from files. `freedoms` names the rows; without it those of the stiffness matrix do, or of the
-    /// mass matrix, or row numbers (a scalar point for each row, counted from 1).
+    /// A structure of matrices from files whose rows are [aligned](amontons_matrices::align). The stiffness matrix names the
+    /// rows, or the mass matrix; if neither does, each row is a scalar point with the row's number, counted from 1.
     ///
     /// # Errors
     /// Returns an error if the matrices are not square, of one size and symmetric, or if a degree of freedom has no mass.
-    pub fn new(
-        stiffness: &Matrix,
-        mass: &Matrix,
-        freedoms: Option<Vec<Freedom>>,
-    ) -> Result<Self, Error> {
+    pub fn new(stiffness: &Matrix, mass: &Matrix) -> Result<Self, Error> {
         let order = stiffness.rows;
         for (matrix, what) in [(stiffness, "stiffness"), (mass, "mass")] {
             if matrix.rows != matrix.columns || matrix.rows != order {
@@ -36,28 +33,10 @@ impl Structure {
                 )));
             }
         }
-        let freedoms = freedoms
-            .or_else(|| stiffness.freedoms.clone())
-            .or_else(|| mass.freedoms.clone())
-            .unwrap_or_else(|| {
+        let freedoms =
+            stiffness.freedoms.clone().or_else(|| mass.freedoms.clone()).unwrap_or_else(|| {
                 (1..=order as u64).map(|node| Freedom { node, direction: 0 }).collect()
             });
-        if freedoms.len() != order {
-            return Err(Error::analysis(format!(
-                "{} degrees of freedom are named, and the matrices have {order} rows; name each row once",
-                freedoms.len()
-            )));
-        }
-        if let (Some(of_stiffness), Some(of_mass)) = (&stiffness.freedoms, &mass.freedoms)
-            && let Some(row) = (0..order).find(|&row| of_stiffness[row] != of_mass[row])
-        {
-            return Err(Error::analysis(format!(
-                "row {} is {} in the stiffness matrix and {} in the mass matrix; both must number their rows alike",
-                row + 1,
-                name(of_stiffness[row]),
-                name(of_mass[row])
-            )));
-        }
         let structure = Self {
             stiffness: symmetric(stiffness, "stiffness", &freedoms)?,
             mass: symmetric(mass, "mass", &freedoms)?,
@@ -78,14 +57,13 @@ impl Structure {
     /// # Errors
     /// Returns an error if the structure has no row of a node.
     pub fn rows_of(&self, nodes: &[u64]) -> Result<Vec<usize>, Error> {
-        let sorted: std::collections::BTreeSet<u64> = nodes.iter().copied().collect();
-        let rows = |node: &u64| self.freedoms.iter().any(|freedom| freedom.node == *node);
-        if let Some(missing) = sorted.iter().find(|node| !rows(node)) {
-            let all = || self.freedoms.iter().map(|freedom| freedom.node);
+        let sorted: BTreeSet<u64> = nodes.iter().copied().collect();
+        let known: BTreeSet<u64> = self.freedoms.iter().map(|freedom| freedom.node).collect();
+        if let Some(missing) = sorted.difference(&known).next() {
             return Err(Error::analysis(format!(
                 "the matrices have no node {missing}; their nodes go from {} to {}",
-                all().min().unwrap_or(0),
-                all().max().unwrap_or(0)
+                known.first().unwrap_or(&0),
+                known.last().unwrap_or(&0)
             )));
         }
         Ok((0..self.freedoms.len())
@@ -100,7 +78,7 @@ impl Structure {
         let Some(&first) = without.first() else { return Ok(()) };
         Err(Error::analysis(format!(
             "{} degrees of freedom have no mass or a negative one, the first is row {}, {}; remove them by static condensation \
-             in the program that wrote the matrices, or give them a small mass there",
+             in the program that wrote the matrices",
             without.len(),
             first + 1,
             name(self.freedoms[first])
@@ -119,22 +97,17 @@ pub(super) fn name(freedom: Freedom) -> String {
 /// The matrix, with the rounding of its digits evened out.
 fn symmetric(matrix: &Matrix, what: &str, freedoms: &[Freedom]) -> Result<Sparse, Error> {
     let sparse = Sparse::new(matrix)?;
-    let (row, column, difference) = sparse.asymmetry();
-    if difference == 0.0 {
-        return Ok(sparse);
-    }
-    let largest = sparse.values().iter().fold(0.0, |largest: f64, value| value.abs().max(largest));
-    if difference > SYMMETRIC * largest {
-        return Err(Error::analysis(format!(
-            "the {what} matrix is not symmetric: row {} ({}) and column {} ({}) hold {}, and their transpose {}; only symmetric \
+    let Some((row, column)) = sparse.asymmetry(SYMMETRIC) else {
+        return Ok(sparse.sum(0.5, &sparse.transposed(), 0.5));
+    };
+    Err(Error::analysis(format!(
+        "the {what} matrix is not symmetric: row {} ({}) and column {} ({}) hold {}, and their transpose {}; only symmetric \
              structures can be reduced",
-            row + 1,
-            name(freedoms[row]),
-            column + 1,
-            name(freedoms[column]),
-            sparse.entry(row, column),
-            sparse.entry(column, row)
-        )));
-    }
-    Ok(sparse.sum(0.5, &sparse.transposed(), 0.5))
+        row + 1,
+        name(freedoms[row]),
+        column + 1,
+        name(freedoms[column]),
+        sparse.entry(row, column),
+        sparse.entry(column, row)
+    )))
 }

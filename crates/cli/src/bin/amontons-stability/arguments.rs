@@ -20,7 +20,8 @@ const EXIT_CODES: &str = "For runs, studies of motions and FMUs see the first pr
                           scenes` lists the built-in \
                           scenes.\n\nExit codes: 0 success, 1 a file could not be read or written, 2 the command line \
                           is wrong (for example an unknown option, variable or contact state), 3 the scene is invalid \
-                          or cannot be analysed, 5 pieces of a shared map are missing (merge), 130 interrupted";
+                          or cannot be analysed, 4 modes are missing or it \
+                          was not shown that none is (matrices), 5 pieces of a shared map are missing (merge), 130 interrupted";
 
 /// The exit code that belongs to an error.
 pub fn exit_code(error: &Error) -> u8 {

@@ -35,6 +35,8 @@ enum Failure {
     Usage(String),
     Analysis(Error),
     Output(io::Error),
+    /// The modes that were found are printed, but one may be missing.
+    NotShown,
     /// The user has ended the command, or pieces of other workers are missing.
     Unfinished(Box<dyn std::error::Error>),
 }
@@ -75,6 +77,7 @@ fn main() -> ExitCode {
             eprintln!("error: {wish}");
             ExitCode::from(2)
         }
+        Err(Failure::NotShown) => ExitCode::from(exit::NOT_SHOWN),
         // Which pieces are missing is told as a result.
         Err(Failure::Unfinished(error)) => {
             if !error.is::<Missing>() {

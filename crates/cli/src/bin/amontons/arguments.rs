@@ -27,7 +27,8 @@ const EXIT_CODES: &str = "Start with `amontons scenes`, which lists the built-in
                           --help`.\n\nExit codes: 0 success, 1 a file could not be read or written, or a picture \
                           could not be drawn, 2 the command line is wrong (for example an unknown option or \
                           variable), 3 the scene is invalid (its file, a value, no equilibrium, a step above the \
-                          critical step), 4 the run failed, 5 pieces of a shared \
+                          critical step), 4 the run failed, or \
+                          reduce could not show that no mode is missing, 5 pieces of a shared \
                           study are missing (study merge), 130 interrupted (simulate keeps its rows in \
                           FILE.csv.partial, accuracy and --sweep print the finished rows, studies keep the finished \
                           pieces and continue from them, export writes nothing)";

@@ -48,6 +48,9 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn exit_code(error: &(dyn std::error::Error + 'static)) -> u8 {
+    if error.is::<reduce::NotShown>() {
+        return exit::NOT_SHOWN;
+    }
     match error.downcast_ref::<fmu_check::command::Failed>() {
         Some(failed) => failed.exit_code(),
         None => exit::code(error),

@@ -1,22 +1,9 @@
 //! All that was found, in the form in which it is printed.
 
-use amontons_structures::family::{Branch, Family, Parameter, follow, grows};
-use amontons_structures::quadratic::{Count, Eigenvalues, Mode, Outcome};
+use amontons_structures::family::{Branch, Family, Parameter, grows};
+use amontons_structures::quadratic::{Count, Mode, Outcome};
 use serde::Serialize;
 use std::f64::consts::TAU;
-
-/// The modes at one value of the parameter.
-pub struct Place {
-    eigenvalues: Eigenvalues,
-    count: Count,
-    size: usize,
-}
-
-impl Place {
-    pub const fn new(eigenvalues: Eigenvalues, count: Count, size: usize) -> Self {
-        Self { eigenvalues, count, size }
-    }
-}
 
 /// Everything of a command.
 #[derive(Serialize)]
@@ -24,13 +11,17 @@ pub struct Found {
     pub degrees_of_freedom: usize,
     pub growth_rates: [f64; 2],
     pub frequencies_hz: [f64; 2],
-    #[serde(skip)]
-    pub parameter: Option<Parameter>,
-    #[serde(rename = "parameter")]
-    name: Option<String>,
+    pub parameter: Option<Named>,
     pub values: Vec<Value>,
     /// Modes followed over the values; empty for one value.
     pub branches: Vec<Followed>,
+}
+
+/// What the matrices depend on.
+#[derive(Serialize)]
+pub struct Named {
+    pub name: String,
+    pub unit: String,
 }
 
 /// The modes at one value.
@@ -38,7 +29,7 @@ pub struct Found {
 pub struct Value {
     /// The value of the parameter.
     pub value: Option<f64>,
-    /// The number of modes in the rectangle, edges moved off modes.
+    /// The modes in the rectangle, with edges moved off modes, by frequency.
     pub modes: Vec<Line>,
     /// `true` if it was shown that none is missing.
     pub is_complete: bool,
@@ -56,7 +47,7 @@ pub struct Line {
     pub growth_rate: f64,
     /// `None` if the growth rate is within its error bound.
     pub grows: Option<bool>,
-    /// Negative for a mode that grows; `None` at λ = 0.
+    /// Negative for a mode that grows; `None` for one that does not oscillate.
     pub damping_ratio: Option<f64>,
     pub backward_error: f64,
     /// A bound of |λ − the exact one| to first order, 1/s.
@@ -92,36 +83,30 @@ pub struct Turn {
 impl Found {
     pub fn new(
         family: &Family,
-        growth_rates: [f64; 2],
-        frequencies_hz: [f64; 2],
-        places: &[Place],
+        degrees_of_freedom: usize,
+        [growth_rates, frequencies_hz]: [[f64; 2]; 2],
+        values: Vec<Value>,
+        branches: &[Branch],
     ) -> Self {
-        let parameter = family.parameter().cloned();
-        let values = |place: usize| parameter.as_ref().map(|parameter| parameter.values[place]);
-        let lists: Vec<Vec<&Mode>> =
-            places.iter().map(|place| place.eigenvalues.inside().collect()).collect();
-        let branches = match &parameter {
-            Some(parameter) if places.len() > 1 => {
-                let followed = follow(&lists);
-                followed.iter().map(|branch| Followed::new(branch, &parameter.values)).collect()
-            }
-            _ => Vec::new(),
-        };
-        let degrees_of_freedom = places.first().map_or(0, |place| place.size);
-        let values = places
-            .iter()
-            .zip(&lists)
-            .enumerate()
-            .map(|(number, (place, modes))| Value::new(values(number), modes, &place.count));
+        let parameter = family.parameter();
+        let at = parameter.map_or(&[][..], |parameter| &parameter.values);
+        let branches = if values.len() > 1 { branches } else { &[] };
         Self {
             degrees_of_freedom,
             growth_rates,
             frequencies_hz,
-            name: parameter.as_ref().map(|parameter| parameter.name.clone()),
-            values: values.collect(),
-            parameter,
-            branches,
+            parameter: parameter.map(|Parameter { name, unit, .. }| Named {
+                name: name.clone(),
+                unit: unit.clone(),
+            }),
+            values,
+            branches: branches.iter().map(|branch| Followed::new(branch, at)).collect(),
         }
+    }
+
+    /// `true` if at no value a mode is missing.
+    pub fn is_complete(&self) -> bool {
+        self.values.iter().all(|value| value.is_complete)
     }
 
     pub fn json(&self) -> String {
@@ -130,7 +115,7 @@ impl Found {
 }
 
 impl Value {
-    fn new(value: Option<f64>, modes: &[&Mode], count: &Count) -> Self {
+    pub fn new(value: Option<f64>, modes: &[Mode], count: &Count) -> Self {
         let says = match &count.outcome {
             Outcome::Complete => "none is missing".to_owned(),
             Outcome::Missing(number) => format!("{number} are missing"),
@@ -139,7 +124,7 @@ impl Value {
         };
         Self {
             value,
-            modes: modes.iter().map(|mode| Line::new(mode)).collect(),
+            modes: modes.iter().map(Line::new).collect(),
             is_complete: count.outcome == Outcome::Complete,
             count: says,
             counted_growth_rates: count.edges.real(),
@@ -150,12 +135,12 @@ impl Value {
 
 impl Line {
     fn new(mode: &Mode) -> Self {
-        let size = mode.eigenvalue.norm();
+        let is_oscillating = mode.eigenvalue.im != 0.0;
         Self {
             frequency_hz: mode.eigenvalue.im / TAU,
             growth_rate: mode.eigenvalue.re,
             grows: grows(mode),
-            damping_ratio: (size > 0.0).then(|| -mode.eigenvalue.re / size),
+            damping_ratio: is_oscillating.then(|| -mode.eigenvalue.re / mode.eigenvalue.norm()),
             backward_error: mode.backward,
             error_bound: mode.bound,
         }

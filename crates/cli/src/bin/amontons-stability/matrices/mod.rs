@@ -11,9 +11,9 @@ use amontons_cli::arguments::Format;
 use amontons_cli::interrupt::watched;
 use amontons_cli::progress::Progress;
 use amontons_pictures::picture;
-use amontons_structures::family::Family;
-use amontons_structures::quadratic::{Options, Rectangle, count, eigenvalues};
-use found::{Found, Place};
+use amontons_structures::family::{Family, Follower};
+use amontons_structures::quadratic::{Mode, Options, Rectangle, count, eigenvalues};
+use found::{Found, Value};
 use std::f64::consts::TAU;
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -29,23 +29,30 @@ pub fn run(arguments: &Matrices, out: &mut dyn Write) -> Result<(), Failure> {
     let loaded = family.load()?;
     let progress = Progress::in_uneven_parts("the search for eigenvalues");
     let (mut searched, mut counted) = (Work::default(), Work::default());
-    let mut look = |place: usize, watch: Watch<'_>| -> Result<Place, Failure> {
+    let mut follower = Follower::default();
+    let mut size = 0;
+    let mut look = |place: usize, watch: Watch<'_>| -> Result<Value, Failure> {
         let problem = loaded.member(place)?;
+        size = problem.size();
         let begun = Instant::now();
         let first = |part: f64| (watch.progress)(SEARCH * part);
         let watch_search = Watch { progress: &first, ..watch };
         let options = Options::default();
-        let eigenvalues = eigenvalues(&problem, &rectangle, &options, watch_search)?;
-        searched.add(begun, eigenvalues.factorizations);
+        let found = eigenvalues(&problem, &rectangle, &options, watch_search)?;
+        searched.add(begun, found.factorizations);
         let begun = Instant::now();
         let second = |part: f64| (watch.progress)(SEARCH + (1.0 - SEARCH) * part);
         let watch_count = Watch { progress: &second, ..watch };
-        let count = count(&problem, &rectangle, &eigenvalues.found(), watch_count)?;
+        let count = count(&problem, &rectangle, &found.found(), watch_count)?;
         counted.add(begun, count.factorizations);
-        Ok(Place::new(eigenvalues, count, problem.size()))
+        let modes: Vec<Mode> = found.inside().cloned().collect();
+        let value = family.parameter().map(|parameter| parameter.values[place]);
+        let value = Value::new(value, &modes, &count);
+        follower.push(modes, &problem.masses());
+        Ok(value)
     };
     #[allow(clippy::cast_precision_loss)]
-    let places = watched(&progress, |watch| -> Result<Vec<Place>, Failure> {
+    let values = watched(&progress, |watch| -> Result<Vec<Value>, Failure> {
         let values = family.count() as f64;
         let at = |place: usize| {
             let shown = |part: f64| (watch.progress)((place as f64 + part) / values);
@@ -54,16 +61,17 @@ pub fn run(arguments: &Matrices, out: &mut dyn Write) -> Result<(), Failure> {
         (0..family.count()).map(at).collect()
     })?;
     eprintln!("note: {searched} to find the modes, {counted} to count them");
-    let found = Found::new(&family, arguments.growth, arguments.frequency, &places);
+    let asked = [arguments.growth, arguments.frequency];
+    let found = Found::new(&family, size, asked, values, &follower.finish());
     match arguments.format {
         Format::Table => table::print(&found, out)?,
         Format::Csv => table::print_csv(&found, out)?,
         Format::Json => writeln!(out, "{}", found.json())?,
     }
-    match &arguments.plot {
-        Some(path) => Ok(chart::chart(&found).write(path)?),
-        None => Ok(()),
+    if let Some(path) = &arguments.plot {
+        chart::chart(&found).write(path)?;
     }
+    if found.is_complete() { Ok(()) } else { Err(Failure::NotShown) }
 }
 
 /// The structure of the command line.

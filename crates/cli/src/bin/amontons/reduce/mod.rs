@@ -12,6 +12,7 @@ use amontons_matrices::{
     align, open, read_freedoms, write_freedoms, write_matrix_market, write_npy,
 };
 use amontons_structures::symmetric::{Request, Structure, Superelement, certify, reduce};
+use std::fmt;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -23,12 +24,41 @@ const SHARES: [f64; 2] = [0.4, 0.8];
 pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
     let mut stiffness = open(&arguments.stiffness)?;
     let mut mass = open(&arguments.mass)?;
-    let also = arguments.also.iter().map(|(label, at)| Ok((label, open(at)?)));
-    let mut also = also.collect::<Result<Vec<_>, amontons_matrices::Error>>()?;
+    let mut also = Vec::new();
+    for (label, location) in &arguments.also {
+        if also.iter().any(|(other, _): &(&String, Matrix)| other.eq_ignore_ascii_case(label)) {
+            return Err(Error::argument(format!("--also {label} is given twice")).into());
+        }
+        also.push((label, open(location)?));
+    }
     let others = also.iter_mut().map(|(_, matrix)| matrix);
-    align(&mut [&mut stiffness, &mut mass].into_iter().chain(others).collect::<Vec<_>>());
-    let freedoms = arguments.freedoms.as_deref().map(read_freedoms).transpose()?;
-    let structure = Structure::new(&stiffness, &mass, freedoms)?;
+    let mut all: Vec<&mut Matrix> = [&mut stiffness, &mut mass].into_iter().chain(others).collect();
+    if let Some(path) = &arguments.freedoms {
+        let freedoms = read_freedoms(path)?;
+        if all.iter().any(|matrix| matrix.freedoms.is_some()) {
+            return Err(Error::argument(
+                "the files of the matrices name their rows themselves; leave out --freedoms",
+            )
+            .into());
+        }
+        for matrix in &mut all {
+            **matrix = (**matrix)
+                .clone()
+                .with_freedoms(freedoms.clone())
+                .map_err(|fault| amontons_matrices::Error::new(path, fault))?;
+        }
+    }
+    align(&mut all);
+    let structure = Structure::new(&stiffness, &mass)?;
+    for (label, matrix) in &also {
+        if [matrix.rows, matrix.columns] != [stiffness.rows; 2] {
+            return Err(Error::argument(format!(
+                "--also {label} has {} rows and {} columns, and the stiffness matrix {} rows; all must be square and of one size",
+                matrix.rows, matrix.columns, stiffness.rows
+            ))
+            .into());
+        }
+    }
     let contacts = structure.rows_of(&arguments.contacts.0)?;
     let mut retained = arguments.contacts.0.clone();
     retained.extend(arguments.retain.iter().flat_map(|nodes| &nodes.0));
@@ -67,8 +97,20 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
     write_results(arguments, &structure, &superelement, &also, &report)?;
     report.print(&mut std::io::stdout().lock())?;
     println!("\nwritten to {}", arguments.output.display());
-    Ok(())
+    if report.is_complete() { Ok(()) } else { Err(NotShown.into()) }
 }
+
+/// The superelement is written, but it was not shown that no mode is missing.
+#[derive(Debug)]
+pub struct NotShown;
+
+impl fmt::Display for NotShown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the certificate is not complete: see above")
+    }
+}
+
+impl std::error::Error for NotShown {}
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn bytes(gigabytes: f64) -> usize {
@@ -79,7 +121,7 @@ fn write_results(
     arguments: &Reduce,
     structure: &Structure,
     superelement: &Superelement,
-    also: &[(&String, amontons_matrices::Matrix)],
+    also: &[(&String, Matrix)],
     report: &Report,
 ) -> Result<(), Error> {
     let folder = &arguments.output;

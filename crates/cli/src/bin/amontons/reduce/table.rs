@@ -5,6 +5,9 @@ use amontons_structures::symmetric::{Certificate, Request, Structure, Supereleme
 use serde::Serialize;
 use std::io::{self, Write};
 
+/// Intervals are printed in units of one by this, Hz, rounded outwards.
+const SHOWN: f64 = 1e5;
+
 /// All that is said of a superelement.
 #[derive(Serialize)]
 pub struct Report {
@@ -78,27 +81,38 @@ impl Certified {
         if modes.len() > rigid {
             writeln!(
                 out,
-                "{:>5}  {:>16}  {:>16}  {:>9}  {:>9}",
-                "mode", "superelement, Hz", "full, Hz", "± Hz", "error, %"
+                "{:>5}  {:>18}  {:>32}  {:>9}",
+                "mode", "superelement, Hz", "full matrices, Hz", "error, %"
             )?;
         }
         for (number, mode) in (1..).zip(modes).filter(|(_, mode)| !mode.is_rigid) {
+            let own = mode.superelement_hz.map_or_else(|| "–".into(), |own| format!("{own:.5}"));
             let [low, high] = mode.full_interval_hz;
-            let own = mode.superelement_hz.map_or_else(|| "–".into(), |own| format!("{own:.4}"));
-            let error = mode.largest_relative_error;
-            let error = error.map_or_else(|| "–".into(), |error| format!("{:.1e}", 100.0 * error));
-            writeln!(
-                out,
-                "{number:>5}  {own:>16}  {:>16.4}  {:>9.0e}  {error:>9}",
-                f64::midpoint(low, high),
-                (high - low) / 2.0
-            )?;
+            let interval = format!(
+                "{:.5} to {:.5}",
+                (SHOWN * low).floor() / SHOWN,
+                (SHOWN * high).ceil() / SHOWN
+            );
+            let error = mode.largest_relative_error.map_or_else(|| "–".into(), percent);
+            writeln!(out, "{number:>5}  {own:>18}  {interval:>32}  {error:>9}")?;
         }
         Ok(())
     }
 }
 
+/// A part in percent, rounded up to two digits.
+fn percent(part: f64) -> String {
+    let percent = 100.0 * part;
+    let unit = libm::pow(10.0, libm::floor(libm::log10(percent)) - 1.0);
+    format!("{:.1e}", (percent / unit).ceil() * unit)
+}
+
 impl Report {
+    /// `true` if no mode is missing, free and with contact nodes held.
+    pub const fn is_complete(&self) -> bool {
+        self.free.is_complete && self.contacts_stuck.is_complete
+    }
+
     pub fn new(
         structure: &Structure,
         superelement: &Superelement,
@@ -156,6 +170,10 @@ impl Report {
             )?;
         }
         self.free.print("free", self.kept_up_to_hz, out)?;
-        self.contacts_stuck.print("contacts stuck", self.kept_up_to_hz, out)
+        self.contacts_stuck.print(
+            "contact nodes held, as contacts that stick hold them",
+            self.kept_up_to_hz,
+            out,
+        )
     }
 }
