@@ -20,6 +20,8 @@ pub(super) struct Disc {
     pub(super) radius: f64,
     /// By distance from the centre, with a non-negative imaginary part; that of a real one is 0.
     pub(super) modes: Vec<Mode>,
+    /// Rough places of eigenvalues farther away.
+    pub(super) rough: Vec<c64>,
     /// The number of solutions with the factors.
     pub(super) solves: usize,
 }
@@ -51,13 +53,14 @@ pub(super) fn look(
     } else {
         vec![]
     };
-    let Nearest { pairs, radius, .. } = found;
+    let Nearest { pairs, radius, rough, .. } = found;
     let errors = bounds_of(shifted, &pairs, &left);
     let modes = pairs.into_iter().zip(errors).map(|(pair, bound)| {
         let backward = backward(shifted.problem, &pair);
         Mode { eigenvalue: pair.eigenvalue, vector: pair.vector, backward, bound }
     });
-    Ok(Disc { centre, radius, modes: fold(centre, radius, modes.collect()), solves })
+    let modes = fold(centre, radius, modes.collect());
+    Ok(Disc { centre, radius, modes, rough, solves })
 }
 
 /// The backward error of a pair.

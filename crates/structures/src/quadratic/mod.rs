@@ -5,6 +5,7 @@ mod arnoldi;
 mod count;
 mod dense;
 mod disc;
+mod drift;
 mod factors;
 mod merge;
 mod problem;
@@ -71,6 +72,8 @@ pub struct Eigenvalues {
     pub rectangle: Rectangle,
     /// The rectangle with its edges [cleared](Rectangle::cleared) of the modes.
     pub edges: Rectangle,
+    /// Rough places of eigenvalues outside the rectangle and the discs, with positive imaginary parts.
+    pub rough: Vec<c64>,
     /// The discs.
     pub trusted: Vec<Trusted>,
     /// The number of factorisations.

@@ -81,6 +81,7 @@ pub fn eigenvalues_again(
 fn collected(rectangle: &Rectangle, discs: Vec<Disc>) -> Eigenvalues {
     let trusted =
         discs.iter().map(|disc| Trusted { centre: disc.centre, radius: disc.radius }).collect();
+    let rough = rough(rectangle, &discs);
     let factorizations = discs.len();
     let solves = discs.iter().map(|disc| disc.solves).sum();
     let mut merged = Merged::default();
@@ -88,7 +89,24 @@ fn collected(rectangle: &Rectangle, discs: Vec<Disc>) -> Eigenvalues {
     let modes = merged.finish();
     let values: Vec<c64> = modes.iter().map(|mode| mode.eigenvalue).collect();
     let (edges, _) = rectangle.cleared(&values);
-    Eigenvalues { modes, rectangle: *rectangle, edges, trusted, factorizations, solves }
+    Eigenvalues { modes, rectangle: *rectangle, edges, rough, trusted, factorizations, solves }
+}
+
+/// Rough places of eigenvalues outside the rectangle and the discs, each from the shift that is nearest to it.
+fn rough(rectangle: &Rectangle, discs: &[Disc]) -> Vec<c64> {
+    let larger = rectangle.enlarged();
+    let from = |disc: &Disc| -> Vec<c64> {
+        let belongs = |place: &&c64| {
+            let distance = (*place - disc.centre).norm();
+            let other = |other: &Disc| {
+                let away = (*place - other.centre).norm();
+                away < distance || away <= other.radius
+            };
+            place.im > 0.0 && !larger.contains(**place) && !discs.iter().any(other)
+        };
+        disc.rough.iter().filter(belongs).copied().collect()
+    };
+    discs.iter().flat_map(from).collect()
 }
 
 struct Search<'a> {

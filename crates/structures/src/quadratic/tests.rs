@@ -127,11 +127,63 @@ fn brake() {
         }
     }
     let start = Instant::now();
-    let work = || count(&problem, &found.edges, &found.found(), Watch::IDLE).unwrap();
+    let work = || {
+        count(
+            &problem,
+            &found.edges,
+            &found.found(),
+            if number("ROUGH", 1.0) > 0.0 { &found.rough } else { &[] },
+            Watch::IDLE,
+        )
+        .unwrap()
+    };
     let c = if number("ALONE", 1.0) > 0.0 {
         amontons_analysis::stability::on_this_thread(work)
     } else {
         work()
     };
     println!("count {:?} {:?}", start.elapsed(), c);
+}
+
+#[test]
+#[ignore]
+fn evd() {
+    for n in [20, 40, 60, 80, 100] {
+        let v = super::random::vector(3, n * n);
+        let a =
+            faer::Mat::from_fn(n, n, |i, j| if i > j + 1 { c64::default() } else { v[i + n * j] });
+        let start = Instant::now();
+        let _ = a.eigen().unwrap();
+        println!("evd {n} {:?}", start.elapsed());
+        let start = Instant::now();
+        let _ = a.eigenvalues().unwrap();
+        println!("values {n} {:?}", start.elapsed());
+    }
+    let rows = 10500;
+    let v = super::random::vector(3, rows * 100);
+    let basis = faer::MatRef::from_column_major_slice(&v, rows, 100);
+    let mut z = super::random::vector(4, rows);
+    let mut p = vec![c64::default(); 100];
+    for _ in 0..2 {
+        let start = Instant::now();
+        faer::linalg::matmul::matmul(
+            faer::ColMut::from_slice_mut(&mut p).as_mat_mut(),
+            faer::Accum::Replace,
+            basis.adjoint(),
+            faer::ColRef::from_slice(&z).as_mat(),
+            c64::new(1.0, 0.0),
+            faer::Par::Seq,
+        );
+        println!("adjoint {:?}", start.elapsed());
+        let start = Instant::now();
+        faer::linalg::matmul::matmul(
+            faer::ColMut::from_slice_mut(&mut z).as_mat_mut(),
+            faer::Accum::Add,
+            basis,
+            faer::ColRef::from_slice(&p).as_mat(),
+            c64::new(-1.0, 0.0),
+            faer::Par::Seq,
+        );
+        println!("forward {:?}", start.elapsed());
+    }
 }
