@@ -14,8 +14,8 @@ use std::f64::consts::PI;
 const STEP: f64 = PI / 3.0;
 /// The largest difference of log g from its interpolation.
 const MISMATCH: f64 = 0.3;
-/// An interval is halved at most as often.
-const HALVINGS: usize = 40;
+/// The shortest interval that is looked at, relative to the length of the edges.
+const SHORTEST: f64 = 1e-9;
 
 /// The comparison of the eigenvalues that were found with those that there are.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,6 +124,11 @@ pub(super) struct Point {
     pub(super) value: c64,
 }
 
+/// The place in the middle of two.
+fn middle(a: Point, b: Point) -> c64 {
+    0.5 * (a.place + b.place)
+}
+
 struct Path<'a> {
     problem: &'a Quadratic,
     analysis: &'a Analysis,
@@ -140,42 +145,55 @@ impl Path<'_> {
     /// The change of the phase of g along a line of corners.
     fn turn(&mut self, corners: &[c64]) -> Result<f64, Stop> {
         let ends = self.evaluate(corners)?;
-        let middles: Vec<c64> = corners.windows(2).map(|ends| 0.5 * (ends[0] + ends[1])).collect();
+        let middles: Vec<c64> = ends.windows(2).map(|ends| middle(ends[0], ends[1])).collect();
         let middles = self.evaluate(&middles)?;
         let mut known: Vec<Point> = ends.iter().chain(&middles).copied().collect();
-        let mut open: Vec<[Point; 3]> =
+        let halves =
             ends.windows(2).zip(middles).map(|(ends, middle)| [ends[0], middle, ends[1]]).collect();
-        let length = |[first, _, last]: &[Point; 3]| (last.place - first.place).norm();
+        let mut open = self.with_quarters(halves, &mut known)?;
+        let length = |points: &[Point; 5]| (points[4].place - points[0].place).norm();
         let all: f64 = open.iter().map(length).sum();
         let mut turn = 0.0;
-        for _ in 0..HALVINGS {
-            let quarters: Vec<c64> = open
-                .iter()
-                .flat_map(|[first, middle, last]| {
-                    [0.5 * (first.place + middle.place), 0.5 * (middle.place + last.place)]
-                })
-                .collect();
-            let quarters = self.evaluate(&quarters)?;
-            known.extend(&quarters);
+        loop {
             let drift = self.drift(&known);
-            let mut next = vec![];
-            for ([first, middle, last], quarters) in open.into_iter().zip(quarters.chunks_exact(2))
-            {
-                match smooth([first, quarters[0], middle, quarters[1], last], &drift) {
-                    Some(change) => turn += change,
-                    None => {
-                        next.push([first, quarters[0], middle]);
-                        next.push([middle, quarters[1], last]);
-                    }
+            open.retain(|&points| match smooth(points, &drift) {
+                Some(change) => {
+                    turn += change;
+                    false
                 }
-            }
-            open = next;
+                None => true,
+            });
             (self.watch.progress)(1.0 - open.iter().map(length).sum::<f64>() / all);
-            if open.is_empty() {
+            let longest = open.iter().map(length).fold(0.0, f64::max);
+            if longest == 0.0 {
                 return Ok(turn);
             }
+            if longest < SHORTEST * all {
+                let place = open[0][2].place;
+                return Err(Stop::Reason(format!("the determinant changes too fast near {place}")));
+            }
+            // The points of long intervals make the smooth part better known, which may do for the others.
+            let (long, rest): (Vec<_>, Vec<_>) =
+                open.into_iter().partition(|points| length(points) > 0.5 * longest);
+            let halves =
+                long.into_iter().flat_map(|[a, b, c, d, e]| [[a, b, c], [c, d, e]]).collect();
+            open = rest;
+            open.extend(self.with_quarters(halves, &mut known)?);
         }
-        Err(Stop::Reason(format!("the determinant changes too fast near {}", open[0][1].place)))
+    }
+
+    /// Puts points in the middles between the points of intervals.
+    fn with_quarters(
+        &mut self,
+        halves: Vec<[Point; 3]>,
+        known: &mut Vec<Point>,
+    ) -> Result<Vec<[Point; 5]>, Stop> {
+        let places: Vec<c64> =
+            halves.iter().flat_map(|&[a, b, c]| [middle(a, b), middle(b, c)]).collect();
+        let quarters = self.evaluate(&places)?;
+        known.extend(&quarters);
+        let intervals = halves.into_iter().zip(quarters.chunks_exact(2));
+        Ok(intervals.map(|([a, b, c], new)| [a, new[0], b, new[1], c]).collect())
     }
 
     /// The smooth part of log g on the edges.
