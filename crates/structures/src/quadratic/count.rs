@@ -14,6 +14,8 @@ use std::f64::consts::PI;
 const STEP: f64 = PI / 3.0;
 /// The largest difference of log g from its interpolation.
 const MISMATCH: f64 = 0.3;
+/// A place at which P cannot be factorised is moved by this part of the shorter side.
+const ASIDE: f64 = 1e-5;
 /// The shortest interval that is looked at, relative to the length of the edges.
 const SHORTEST: f64 = 1e-9;
 
@@ -80,11 +82,13 @@ pub fn count(
         .copied()
         .chain(rough.iter().copied().filter(|&place| !rectangle.enlarged().contains(place)))
         .collect();
+    let [width, height] = edges.sides();
     let mut path = Path {
         problem,
         analysis: &analysis,
         edges,
         mirrored,
+        step: (ASIDE * width.min(height)).min(0.1 * distance),
         divisors: &divisors,
         watch,
         factorizations: 0,
@@ -135,6 +139,8 @@ struct Path<'a> {
     edges: Rectangle,
     /// `true` if the edges touch the real axis.
     mirrored: bool,
+    /// The distance by which a place is moved at which P cannot be factorised.
+    step: f64,
     /// The numbers that are divided out with their conjugates.
     divisors: &'a [c64],
     watch: Watch<'a>,
@@ -211,8 +217,17 @@ impl Path<'_> {
     fn evaluate(&mut self, places: &[c64]) -> Result<Vec<Point>, Stop> {
         let evaluate = |number: usize| {
             self.watch.check()?;
-            let place = places[number];
-            let determinant = match factorise(self.problem, self.analysis, place) {
+            // A block in the order of elimination may be singular at a place; next to it, it is not.
+            let mut place = places[number];
+            let mut factors = factorise(self.problem, self.analysis, place);
+            for attempt in 1..4 {
+                if factors.is_err() {
+                    let angle = f64::from(attempt);
+                    place = places[number] + c64::from_polar(angle * self.step, angle);
+                    factors = factorise(self.problem, self.analysis, place);
+                }
+            }
+            let determinant = match factors {
                 Ok(factors) => factors.determinant,
                 Err(error) => return Ok(Err(Stop::Reason(error.to_string()))),
             };

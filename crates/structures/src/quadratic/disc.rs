@@ -18,6 +18,8 @@ pub(super) struct Disc {
     pub(super) centre: c64,
     /// All eigenvalues in this distance are among the modes, as far as the method can see.
     pub(super) radius: f64,
+    /// Up to this distance there are no others: the radius, or half of the way to the nearest Ritz value, if it is rough.
+    pub(super) empty: f64,
     /// By distance from the centre, with a non-negative imaginary part; that of a real one is 0.
     pub(super) modes: Vec<Mode>,
     /// Rough places of eigenvalues farther away.
@@ -60,7 +62,9 @@ pub(super) fn look(
         Mode { eigenvalue: pair.eigenvalue, vector: pair.vector, backward, bound }
     });
     let modes = fold(centre, radius, modes.collect());
-    Ok(Disc { centre, radius, modes, rough, solves })
+    let nearest = rough.first().map_or(0.0, |place| (place - centre).norm());
+    let empty = radius.max(0.5 * nearest);
+    Ok(Disc { centre, radius, empty, modes, rough, solves })
 }
 
 /// The backward error of a pair.
