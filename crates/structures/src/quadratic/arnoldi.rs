@@ -10,6 +10,8 @@ use faer::{Accum, Mat, MatRef, Par, c64};
 
 /// The largest residual of a converged Ritz pair, relative to its Ritz value.
 const TOLERANCE: f64 = 1e-13;
+/// The largest rounding of the operator, relative to a Ritz value that is used.
+const ROUNDED: f64 = 1e-11;
 /// A new direction that is smaller than this, relative to the vector before its orthogonalisation, is rounding.
 const ROUNDING: f64 = 1e-14;
 /// The smallest part outside the span of the others that a given vector must have to be taken in.
@@ -166,7 +168,9 @@ fn ritz(
         if !(value.norm() > f64::EPSILON * largest) {
             break;
         }
-        converged &= residual <= TOLERANCE * value.norm();
+        // The rounding of solutions is relative to the largest value, so near to an eigenvalue a shift shows no others.
+        let rounding = f64::EPSILON * largest;
+        converged &= residual <= TOLERANCE * value.norm() && rounding <= ROUNDED * value.norm();
         if !converged {
             rough.push(shift + distance);
             continue;

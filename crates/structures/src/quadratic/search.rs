@@ -11,6 +11,8 @@ use amontons_analysis::stability::parallel;
 use amontons_analysis::watch::Watch;
 use faer::c64;
 
+/// A chosen shift is so far from a rough place of an eigenvalue, relative to the distance of the shift that showed it.
+const ASIDE: f64 = 0.02;
 /// A shift at which P is singular is moved by this part of the wanted radius.
 const STEP: f64 = 1e-3;
 
@@ -207,7 +209,8 @@ fn next(rectangle: &Rectangle, discs: &[Disc]) -> Vec<c64> {
         if far && !shifts.is_empty() {
             break;
         }
-        shifts.push(place);
+        // Not on the eigenvalue itself, which would hide the others.
+        shifts.push(place + c64::from_polar(ASIDE * away, 1.0));
         taken.push((place, radius.max(0.5 * away)));
     }
     shifts
