@@ -172,7 +172,8 @@ fn supernodes(
     drop(pairs);
     let upper = SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows);
     let parameters = CholeskySymbolicParams {
-        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+        // Less than any ratio, also that of a diagonal matrix, which is 0.
+        supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
         supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
         ..Default::default()
     };

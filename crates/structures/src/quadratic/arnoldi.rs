@@ -1,14 +1,17 @@
 //! Eigenvalues nearest to a shift by the Arnoldi method.
 
+use super::dense::{dot, subtract_product};
 use super::shifted::{Shifted, norm};
 use crate::random;
 use amontons::Error;
 use amontons_analysis::watch::Watch;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, ColMut, ColRef, Mat, MatRef, Par, c64};
+use faer::{Accum, Mat, MatRef, Par, c64};
 
 /// The largest residual of a converged Ritz pair, relative to its Ritz value.
 const TOLERANCE: f64 = 1e-13;
+/// The largest rounding of the operator, relative to a Ritz value that is used.
+const ROUNDED: f64 = 1e-11;
 /// A new direction that is smaller than this, relative to the vector before its orthogonalisation, is rounding.
 const ROUNDING: f64 = 1e-14;
 /// The smallest part outside the span of the others that a given vector must have to be taken in.
@@ -27,6 +30,8 @@ pub(super) struct Nearest {
     pub(super) pairs: Vec<Pair>,
     /// Up to this distance from the shift all Ritz values have converged; 0 if none has.
     pub(super) radius: f64,
+    /// Ritz values that have not converged: rough places of eigenvalues farther away.
+    pub(super) rough: Vec<c64>,
     /// The number of solutions with the factors.
     pub(super) solves: usize,
 }
@@ -115,12 +120,12 @@ pub(super) fn nearest(shifted: &Shifted, wish: &Wish, watch: Watch) -> Result<Ne
         if last || (columns >= check && couple > 0.0) {
             check = columns + 10.max((columns - known) / 4);
             let whole = columns == rows;
-            let (ritz, radius) =
+            let (ritz, radius, rough) =
                 ritz(&space, shifted.shift, columns, if whole { 0.0 } else { couple })?;
             let radius = if whole { f64::INFINITY } else { radius };
             if last || radius >= wish.radius {
                 let pairs = space.pairs(shifted.problem.size(), columns, &ritz);
-                return Ok(Nearest { pairs, radius, solves });
+                return Ok(Nearest { pairs, radius, rough, solves });
             }
         }
     }
@@ -136,13 +141,13 @@ fn fresh(shifted: &Shifted, transposed: bool, space: &Space, seed: &mut u64) -> 
 }
 
 /// Converged Ritz values by distance from the shift, each with its vector in the basis, and the radius in which all have
-/// converged. `couple` is the norm of the part of the operator that leaves the space.
+/// converged, and the other Ritz values. `couple` is the norm of the part of the operator that leaves the space.
 fn ritz(
     space: &Space,
     shift: c64,
     columns: usize,
     couple: f64,
-) -> Result<(Vec<(c64, Vec<c64>)>, f64), Error> {
+) -> Result<(Vec<(c64, Vec<c64>)>, f64, Vec<c64>), Error> {
     let eigen =
         space.projected.get(..columns, ..columns).eigen().map_err(|_| {
             Error::analysis("the eigenvalues of the projected problem do not converge")
@@ -152,20 +157,28 @@ fn ritz(
     let mut order: Vec<usize> = (0..columns).collect();
     order.sort_by(|&a, &b| values[b].norm().total_cmp(&values[a].norm()));
     let largest = order.first().map_or(0.0, |&index| values[index].norm());
-    let (mut found, mut radius) = (vec![], 0.0);
+    let (mut found, mut radius, mut rough) = (vec![], 0.0, vec![]);
+    let mut converged = true;
     for index in order {
         let (value, vector) = (values[index], vectors.col(index));
         let norm = (0..columns).map(|row| vector[row].norm_sqr()).sum::<f64>().sqrt();
         let residual = couple * vector[columns - 1].norm() / norm;
+        let distance = value.inv();
         // Of infinite eigenvalues, or not a number.
-        if !(value.norm() > f64::EPSILON * largest && residual <= TOLERANCE * value.norm()) {
+        if !(value.norm() > f64::EPSILON * largest) {
             break;
         }
-        let distance = value.inv();
+        // The rounding of solutions is relative to the largest value, so near to an eigenvalue a shift shows no others.
+        let rounding = f64::EPSILON * largest;
+        converged &= residual <= TOLERANCE * value.norm() && rounding <= ROUNDED * value.norm();
+        if !converged {
+            rough.push(shift + distance);
+            continue;
+        }
         radius = distance.norm();
         found.push((shift + distance, (0..columns).map(|row| vector[row] / norm).collect()));
     }
-    Ok((found, radius))
+    Ok((found, radius, rough))
 }
 
 impl Space {
@@ -195,24 +208,9 @@ impl Space {
     fn orthogonalise(&self, z: &mut [c64]) -> Vec<c64> {
         let mut parts = vec![c64::default(); self.columns()];
         for _ in 0..2 {
-            let mut part = vec![c64::default(); self.columns()];
-            let basis = self.matrix();
-            matmul(
-                ColMut::from_slice_mut(&mut part).as_mat_mut(),
-                Accum::Replace,
-                basis.adjoint(),
-                ColRef::from_slice(z).as_mat(),
-                c64::new(1.0, 0.0),
-                Par::Seq,
-            );
-            matmul(
-                ColMut::from_slice_mut(z).as_mat_mut(),
-                Accum::Add,
-                basis,
-                ColRef::from_slice(&part).as_mat(),
-                c64::new(-1.0, 0.0),
-                Par::Seq,
-            );
+            let part: Vec<c64> =
+                self.basis.chunks_exact(self.rows).map(|column| dot::<true>(column, z)).collect();
+            subtract_product(self.matrix(), &part, z);
             parts.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         }
         parts

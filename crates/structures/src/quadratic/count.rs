@@ -1,6 +1,7 @@
 //! The count of eigenvalues in a rectangle by the argument principle.
 
 use super::analysis::Analysis;
+use super::drift::Drift;
 use super::shifted::factorise;
 use super::{Quadratic, Rectangle};
 use amontons::Error;
@@ -13,8 +14,10 @@ use std::f64::consts::PI;
 const STEP: f64 = PI / 3.0;
 /// The largest difference of log g from its interpolation.
 const MISMATCH: f64 = 0.3;
-/// An interval is halved at most as often.
-const HALVINGS: usize = 40;
+/// A place at which P cannot be factorised is moved by this part of the shorter side.
+const ASIDE: f64 = 1e-5;
+/// The shortest interval that is looked at, relative to the length of the edges.
+const SHORTEST: f64 = 1e-9;
 
 /// The comparison of the eigenvalues that were found with those that there are.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,11 +51,15 @@ pub enum Outcome {
 /// Counts the eigenvalues that are missing in a list.
 ///
 /// P(λ) has as many eigenvalues in the edges as its determinant winds about 0 along them. Here the found ones, inside and
-/// outside, are divided out: g(λ) = det P(λ) / ∏ (λ − λₖ), with the conjugates; so log g varies slowly and few points are
-/// needed. An interval of an edge is accepted if log g, magnitude and phase, at its quarter points differs by less than 0.3
-/// from the parabola through its ends and its middle, and if the phase changes by less than π/3 between neighbouring points.
+/// outside, are divided out: g(λ) = det P(λ) / ∏ (λ − λₖ), with the conjugates; so is exp(q) with a polynomial q that fits
+/// log |g|, which has no zeros. The rest varies slowly, and few points are needed. An interval of an edge is accepted if the
+/// logarithm of the rest, magnitude and phase, at its quarter points differs by less than 0.3 from the parabola through its
+/// ends and its middle, and if the phase changes by less than π/3 between neighbouring points.
 /// Edges on the real axis are left out: the determinant is real there, and the rest is half of the way about the rectangle
 /// and its mirror image.
+///
+/// `rough` are places outside the rectangle that are divided out as well. They need not be exact: a number outside the edges
+/// does not change how often g winds about 0, but makes log g smoother.
 ///
 /// `found` has imaginary parts of at least 0. The edges are [cleared](Rectangle::cleared) of it.
 ///
@@ -62,6 +69,7 @@ pub fn count(
     problem: &Quadratic,
     rectangle: &Rectangle,
     found: &[c64],
+    rough: &[c64],
     watch: Watch,
 ) -> Result<Count, Error> {
     let analysis = Analysis::new(problem)?;
@@ -69,12 +77,27 @@ pub fn count(
     let mirrored = edges.imaginary()[0] == 0.0;
     let factor = |value: &&c64| if mirrored && value.im != 0.0 { 2 } else { 1 };
     let inside = found.iter().filter(|&&value| edges.contains(value));
-    let mut path = Path { problem, analysis: &analysis, found, watch, factorizations: 0 };
+    let divisors: Vec<c64> = found
+        .iter()
+        .copied()
+        .chain(rough.iter().copied().filter(|&place| !rectangle.enlarged().contains(place)))
+        .collect();
+    let [width, height] = edges.sides();
+    let mut path = Path {
+        problem,
+        analysis: &analysis,
+        edges,
+        mirrored,
+        step: (ASIDE * width.min(height)).min(0.1 * distance),
+        divisors: &divisors,
+        watch,
+        factorizations: 0,
+    };
     let mut corners = edges.corners().to_vec();
     if !mirrored {
         corners.push(corners[0]);
     }
-    let outcome = match path.turn(&corners)? {
+    let outcome = match path.turn(&corners) {
         Ok(turn) => {
             // Half of the turn about the rectangle and its mirror image is seen.
             let winding = turn / if mirrored { PI } else { 2.0 * PI };
@@ -91,7 +114,8 @@ pub fn count(
                 Outcome::Complete
             }
         }
-        Err(reason) => Outcome::NotShown(reason),
+        Err(Stop::Reason(reason)) => Outcome::NotShown(reason),
+        Err(Stop::Ended(error)) => return Err(error),
     };
     let found = inside.map(|value| factor(&value)).sum();
     Ok(Count { edges, distance, found, outcome, factorizations: path.factorizations })
@@ -99,102 +123,145 @@ pub fn count(
 
 /// A place with log g, whose imaginary part is known up to 2π.
 #[derive(Clone, Copy)]
-struct Point {
-    place: c64,
-    value: c64,
+pub(super) struct Point {
+    pub(super) place: c64,
+    pub(super) value: c64,
+}
+
+/// The place in the middle of two.
+fn middle(a: Point, b: Point) -> c64 {
+    0.5 * (a.place + b.place)
 }
 
 struct Path<'a> {
     problem: &'a Quadratic,
     analysis: &'a Analysis,
-    found: &'a [c64],
+    edges: Rectangle,
+    /// `true` if the edges touch the real axis.
+    mirrored: bool,
+    /// The distance by which a place is moved at which P cannot be factorised.
+    step: f64,
+    /// The numbers that are divided out with their conjugates.
+    divisors: &'a [c64],
     watch: Watch<'a>,
     factorizations: usize,
 }
 
 impl Path<'_> {
-    /// The change of the phase of g along a line of corners, or the reason for which it is not known.
-    fn turn(&mut self, corners: &[c64]) -> Result<Result<f64, String>, Error> {
-        let points = match self.evaluate(corners)? {
-            Ok(points) => points,
-            Err(reason) => return Ok(Err(reason)),
-        };
-        let middles: Vec<c64> = corners.windows(2).map(|ends| 0.5 * (ends[0] + ends[1])).collect();
-        let middles = match self.evaluate(&middles)? {
-            Ok(points) => points,
-            Err(reason) => return Ok(Err(reason)),
-        };
-        let mut intervals: Vec<[Point; 3]> = points
-            .windows(2)
-            .zip(middles)
-            .map(|(ends, middle)| [ends[0], middle, ends[1]])
-            .collect();
+    /// The change of the phase of g along a line of corners.
+    fn turn(&mut self, corners: &[c64]) -> Result<f64, Stop> {
+        let ends = self.evaluate(corners)?;
+        let middles: Vec<c64> = ends.windows(2).map(|ends| middle(ends[0], ends[1])).collect();
+        let middles = self.evaluate(&middles)?;
+        let mut known: Vec<Point> = ends.iter().chain(&middles).copied().collect();
+        let halves =
+            ends.windows(2).zip(middles).map(|(ends, middle)| [ends[0], middle, ends[1]]).collect();
+        let mut open = self.with_quarters(halves, &mut known)?;
+        let length = |points: &[Point; 5]| (points[4].place - points[0].place).norm();
+        let all: f64 = open.iter().map(length).sum();
         let mut turn = 0.0;
-        let all: f64 = corners.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
-        for _ in 0..HALVINGS {
-            if intervals.is_empty() {
-                return Ok(Ok(turn));
-            }
-            let quarters: Vec<c64> = intervals
-                .iter()
-                .flat_map(|[first, middle, last]| {
-                    [0.5 * (first.place + middle.place), 0.5 * (middle.place + last.place)]
-                })
-                .collect();
-            let quarters = match self.evaluate(&quarters)? {
-                Ok(points) => points,
-                Err(reason) => return Ok(Err(reason)),
-            };
-            let mut next = vec![];
-            for ([first, middle, last], quarters) in
-                intervals.into_iter().zip(quarters.chunks_exact(2))
-            {
-                match smooth([first, quarters[0], middle, quarters[1], last]) {
-                    Some(change) => turn += change,
-                    None => {
-                        next.push([first, quarters[0], middle]);
-                        next.push([middle, quarters[1], last]);
-                    }
+        loop {
+            let drift = self.drift(&known);
+            open.retain(|&points| match smooth(points, &drift) {
+                Some(change) => {
+                    turn += change;
+                    false
                 }
+                None => true,
+            });
+            (self.watch.progress)(1.0 - open.iter().map(length).sum::<f64>() / all);
+            let longest = open.iter().map(length).fold(0.0, f64::max);
+            if longest == 0.0 {
+                return Ok(turn);
             }
-            intervals = next;
-            let left: f64 =
-                intervals.iter().map(|[first, _, last]| (last.place - first.place).norm()).sum();
-            (self.watch.progress)(1.0 - left / all);
+            if longest < SHORTEST * all {
+                let place = open[0][2].place;
+                return Err(Stop::Reason(format!("the determinant changes too fast near {place}")));
+            }
+            // The points of long intervals make the smooth part better known, which may do for the others.
+            let (long, rest): (Vec<_>, Vec<_>) =
+                open.into_iter().partition(|points| length(points) > 0.5 * longest);
+            let halves =
+                long.into_iter().flat_map(|[a, b, c, d, e]| [[a, b, c], [c, d, e]]).collect();
+            open = rest;
+            open.extend(self.with_quarters(halves, &mut known)?);
         }
-        let place = intervals[0][1].place;
-        Ok(Err(format!("the determinant changes too fast near {place}")))
     }
 
-    /// log g at places, or the reason for which one is not known.
-    fn evaluate(&mut self, places: &[c64]) -> Result<Result<Vec<Point>, String>, Error> {
+    /// Puts points in the middles between the points of intervals.
+    fn with_quarters(
+        &mut self,
+        halves: Vec<[Point; 3]>,
+        known: &mut Vec<Point>,
+    ) -> Result<Vec<[Point; 5]>, Stop> {
+        let places: Vec<c64> =
+            halves.iter().flat_map(|&[a, b, c]| [middle(a, b), middle(b, c)]).collect();
+        let quarters = self.evaluate(&places)?;
+        known.extend(&quarters);
+        let intervals = halves.into_iter().zip(quarters.chunks_exact(2));
+        Ok(intervals.map(|([a, b, c], new)| [a, new[0], b, new[1], c]).collect())
+    }
+
+    /// The smooth part of log g on the edges.
+    fn drift(&self, known: &[Point]) -> Drift {
+        let mut centre = self.edges.centre();
+        if self.mirrored {
+            centre.im = 0.0;
+        }
+        let corners = self.edges.corners();
+        let radius = corners.iter().map(|corner| (corner - centre).norm()).fold(0.0, f64::max);
+        Drift::fit(known, centre, radius, self.mirrored)
+    }
+
+    /// log g at places.
+    fn evaluate(&mut self, places: &[c64]) -> Result<Vec<Point>, Stop> {
         let evaluate = |number: usize| {
             self.watch.check()?;
-            let place = places[number];
-            let determinant = match factorise(self.problem, self.analysis, place) {
+            // A block in the order of elimination may be singular at a place; next to it, it is not.
+            let mut place = places[number];
+            let mut factors = factorise(self.problem, self.analysis, place);
+            for attempt in 1..4 {
+                if factors.is_err() {
+                    let angle = f64::from(attempt);
+                    place = places[number] + c64::from_polar(angle * self.step, angle);
+                    factors = factorise(self.problem, self.analysis, place);
+                }
+            }
+            let determinant = match factors {
                 Ok(factors) => factors.determinant,
-                Err(error) => return Ok(Err(error.to_string())),
+                Err(error) => return Ok(Err(Stop::Reason(error.to_string()))),
             };
             let mut value = c64::new(determinant.log, determinant.phase);
-            for &found in self.found {
-                value -= (place - found).ln();
-                if found.im != 0.0 {
-                    value -= (place - found.conj()).ln();
+            for &divisor in self.divisors {
+                value -= (place - divisor).ln();
+                if divisor.im != 0.0 {
+                    value -= (place - divisor.conj()).ln();
                 }
             }
             Ok(Ok(Point { place, value }))
         };
-        let points = parallel::collect(places.len(), &evaluate, &|_| ())?;
+        let points = parallel::collect(places.len(), &evaluate, &|_| ()).map_err(Stop::Ended)?;
         self.factorizations += places.len();
-        Ok(points.into_iter().collect())
+        points.into_iter().collect()
     }
 }
 
-/// The change of the phase along five equidistant points if log g is smooth there.
-fn smooth(points: [Point; 5]) -> Option<f64> {
+/// The reason for which a count ends early.
+#[derive(Clone)]
+enum Stop {
+    /// The work has been ended.
+    Ended(Error),
+    /// The number cannot be shown.
+    Reason(String),
+}
+
+/// The change of the phase of g along five equidistant points if log g without its smooth part changes little there.
+fn smooth(points: [Point; 5], drift: &Drift) -> Option<f64> {
+    let drifts = points.map(|point| drift.at(point.place));
     let mut values = [c64::default(); 5];
     for step in 0..4 {
-        let change = points[step + 1].value - points[step].value;
+        let change =
+            (points[step + 1].value - drifts[step + 1]) - (points[step].value - drifts[step]);
         let phase = change.im - 2.0 * PI * (change.im / (2.0 * PI)).round();
         if phase.abs() >= STEP {
             return None;
@@ -207,5 +274,6 @@ fn smooth(points: [Point; 5]) -> Option<f64> {
         (3.0 * last + 6.0 * middle - first) / 8.0 - three,
     ];
     // False for a value that is not a number.
-    mismatches.iter().all(|mismatch| mismatch.norm() < MISMATCH).then_some(last.im)
+    let smooth = mismatches.iter().all(|mismatch| mismatch.norm() < MISMATCH);
+    smooth.then_some(last.im + (drifts[4] - drifts[0]).im)
 }

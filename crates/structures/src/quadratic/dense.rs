@@ -5,7 +5,7 @@ use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratc
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve as triangular;
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, MatMut, Par, c64};
+use faer::{Accum, ColMut, ColRef, MatMut, MatRef, Par, c64};
 
 /// Eliminates the columns of a front of `width` + `below` rows.
 ///
@@ -52,4 +52,44 @@ pub(super) fn eliminate(
         matmul(update, Accum::Add, lower.rb(), right.rb(), c64::new(-1.0, 0.0), Par::Seq);
     }
     info.transposition_count % 2 == 1
+}
+
+/// Subtracts the product of a matrix by column and the vector x from y.
+pub(super) fn subtract_product(matrix: MatRef<'_, c64>, x: &[c64], y: &mut [c64]) {
+    let (x, y) = (ColRef::from_slice(x).as_mat(), ColMut::from_slice_mut(y).as_mat_mut());
+    matmul(y, Accum::Add, matrix, x, c64::new(-1.0, 0.0), Par::Seq);
+}
+
+/// Adds `factor` times x to y.
+pub(super) fn add(factor: c64, x: &[c64], y: &mut [c64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        y.re += factor.re * x.re - factor.im * x.im;
+        y.im += factor.re * x.im + factor.im * x.re;
+    }
+}
+
+/// The sum of the products x y, or of x̄ y if `CONJUGATE`.
+pub(super) fn dot<const CONJUGATE: bool>(x: &[c64], y: &[c64]) -> c64 {
+    // Several sums at once, since additions are not exchanged by the compiler.
+    let mut sums = [[0.0; 4]; 4];
+    let (many, rest) = x.as_chunks::<4>();
+    let (others, other_rest) = y.as_chunks::<4>();
+    let mut add = |lane: usize, x: &c64, y: &c64| {
+        sums[0][lane] += x.re * y.re;
+        sums[1][lane] += x.im * y.im;
+        sums[2][lane] += x.re * y.im;
+        sums[3][lane] += x.im * y.re;
+    };
+    for (x, y) in many.iter().zip(others) {
+        for lane in 0..4 {
+            add(lane, &x[lane], &y[lane]);
+        }
+    }
+    rest.iter().zip(other_rest).for_each(|(x, y)| add(0, x, y));
+    let [re_re, im_im, re_im, im_re] = sums.map(|sums| (sums[0] + sums[1]) + (sums[2] + sums[3]));
+    if CONJUGATE {
+        c64::new(re_re + im_im, re_im - im_re)
+    } else {
+        c64::new(re_re - im_im, re_im + im_re)
+    }
 }

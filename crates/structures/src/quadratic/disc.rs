@@ -18,8 +18,12 @@ pub(super) struct Disc {
     pub(super) centre: c64,
     /// All eigenvalues in this distance are among the modes, as far as the method can see.
     pub(super) radius: f64,
+    /// Up to this distance there are no others: the radius, or half of the way to the nearest Ritz value, if it is rough.
+    pub(super) empty: f64,
     /// By distance from the centre, with a non-negative imaginary part; that of a real one is 0.
     pub(super) modes: Vec<Mode>,
+    /// Rough places of eigenvalues farther away.
+    pub(super) rough: Vec<c64>,
     /// The number of solutions with the factors.
     pub(super) solves: usize,
 }
@@ -51,13 +55,16 @@ pub(super) fn look(
     } else {
         vec![]
     };
-    let Nearest { pairs, radius, .. } = found;
+    let Nearest { pairs, radius, rough, .. } = found;
     let errors = bounds_of(shifted, &pairs, &left);
     let modes = pairs.into_iter().zip(errors).map(|(pair, bound)| {
         let backward = backward(shifted.problem, &pair);
         Mode { eigenvalue: pair.eigenvalue, vector: pair.vector, backward, bound }
     });
-    Ok(Disc { centre, radius, modes: fold(centre, radius, modes.collect()), solves })
+    let modes = fold(centre, radius, modes.collect());
+    let nearest = rough.first().map_or(0.0, |place| (place - centre).norm());
+    let empty = radius.max(0.5 * nearest);
+    Ok(Disc { centre, radius, empty, modes, rough, solves })
 }
 
 /// The backward error of a pair.

@@ -5,6 +5,7 @@ mod arnoldi;
 mod count;
 mod dense;
 mod disc;
+mod drift;
 mod factors;
 mod merge;
 mod problem;
@@ -25,15 +26,17 @@ use faer::c64;
 pub struct Options {
     /// The largest dimension of the Krylov space of a shift.
     pub dimension: usize,
-    /// The shifts, 1/s; if there are none, they are chosen so that the rectangle is covered.
+    /// The shifts, 1/s; if there are none, they are chosen.
     pub shifts: Vec<c64>,
     /// `true` to compute the left vectors as well, for bounds of the errors. The time of the search about doubles.
     pub bounds: bool,
+    /// No more shifts are chosen after as many.
+    pub most: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { dimension: 100, shifts: vec![], bounds: true }
+        Self { dimension: 100, shifts: vec![], bounds: true, most: 1000 }
     }
 }
 
@@ -70,6 +73,8 @@ pub struct Eigenvalues {
     pub rectangle: Rectangle,
     /// The rectangle with its edges [cleared](Rectangle::cleared) of the modes.
     pub edges: Rectangle,
+    /// Rough places of eigenvalues outside the rectangle and the discs, with positive imaginary parts.
+    pub rough: Vec<c64>,
     /// The discs.
     pub trusted: Vec<Trusted>,
     /// The number of factorisations.

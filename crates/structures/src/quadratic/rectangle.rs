@@ -76,14 +76,6 @@ impl Rectangle {
         [(right, low), (right, high), (left, high), (left, low)].map(|(re, im)| c64::new(re, im))
     }
 
-    /// The part between two parts, from 0 to 1, of the side along the real (0) or the imaginary (1) axis.
-    pub(super) fn slice(&self, axis: usize, from: f64, to: f64) -> Self {
-        let mut sides = [self.real, self.imaginary];
-        let [low, high] = sides[axis];
-        sides[axis] = [low + from * (high - low), low + to * (high - low)];
-        Self { real: sides[0], imaginary: sides[1] }
-    }
-
     /// The rectangle with all places that [`Self::cleared`] can give its edges.
     pub(super) fn enlarged(&self) -> Self {
         let [width, height] = self.sides();

@@ -11,21 +11,23 @@ use amontons_analysis::stability::parallel;
 use amontons_analysis::watch::Watch;
 use faer::c64;
 
-/// A part of the rectangle is given up if it is smaller than this part of the whole.
-const SMALLEST: f64 = 1e-9;
+/// A chosen shift is so far from a rough place of an eigenvalue, relative to the distance of the shift that showed it.
+const ASIDE: f64 = 0.02;
 /// A shift at which P is singular is moved by this part of the wanted radius.
 const STEP: f64 = 1e-3;
 
 /// Looks for all eigenvalues in a rectangle.
 ///
-/// Of each shift a disc is trusted, up to the farthest eigenvalue before the first one that has not converged. The discs
-/// cover the rectangle, unless the options give the shifts. Start vectors are fixed, so results do not depend on the run or
-/// the number of threads. [`count`](super::count) shows if one is missing.
+/// Of each shift a disc is trusted, up to the farthest eigenvalue before the first one that has not converged. Unless the
+/// options give the shifts, the first one is the centre of the rectangle, and others follow where Ritz values that have not
+/// converged tell eigenvalues in the rectangle, until all of them are in discs. Discs need not cover parts without
+/// eigenvalues: [`count`](super::count) shows if one is missing. Start vectors are fixed, so results do not depend on the run
+/// or the number of threads.
 ///
 /// Memory: each thread needs 2 × size × (dimension + 1) complex numbers beside the factors.
 ///
 /// # Errors
-/// Returns an error if the work has been ended, if P(λ) is singular for all λ, or if the rectangle cannot be covered.
+/// Returns an error if the work has been ended or if P(λ) is singular for all λ.
 pub fn eigenvalues(
     problem: &Quadratic,
     rectangle: &Rectangle,
@@ -34,17 +36,16 @@ pub fn eigenvalues(
 ) -> Result<Eigenvalues, Error> {
     let analysis = Analysis::new(problem)?;
     let search = Search { problem, analysis: &analysis, options, watch };
-    let mut discs = vec![];
-    if options.shifts.is_empty() {
-        search.cover(rectangle, &mut discs)?;
+    let discs = if options.shifts.is_empty() {
+        search.cover(rectangle)?
     } else {
         let (count, radius) = (options.shifts.len(), f64::INFINITY);
-        discs = parallel::collect(
+        parallel::collect(
             count,
             &|number| search.look(options.shifts[number], radius, 0, &[]),
             &|done| (watch.progress)(done as f64 / count as f64),
-        )?;
-    }
+        )?
+    };
     Ok(collected(rectangle, discs))
 }
 
@@ -81,6 +82,9 @@ pub fn eigenvalues_again(
 fn collected(rectangle: &Rectangle, discs: Vec<Disc>) -> Eigenvalues {
     let trusted =
         discs.iter().map(|disc| Trusted { centre: disc.centre, radius: disc.radius }).collect();
+    let larger = rectangle.enlarged();
+    let rough = rough(&discs).into_iter().map(|(place, _)| place);
+    let rough = rough.filter(|&place| !larger.contains(place)).collect();
     let factorizations = discs.len();
     let solves = discs.iter().map(|disc| disc.solves).sum();
     let mut merged = Merged::default();
@@ -88,7 +92,26 @@ fn collected(rectangle: &Rectangle, discs: Vec<Disc>) -> Eigenvalues {
     let modes = merged.finish();
     let values: Vec<c64> = modes.iter().map(|mode| mode.eigenvalue).collect();
     let (edges, _) = rectangle.cleared(&values);
-    Eigenvalues { modes, rectangle: *rectangle, edges, trusted, factorizations, solves }
+    Eigenvalues { modes, rectangle: *rectangle, edges, rough, trusted, factorizations, solves }
+}
+
+/// Rough places of eigenvalues above the real axis and outside the discs, each from the shift that is nearest to it, with the
+/// number of its disc.
+fn rough(discs: &[Disc]) -> Vec<(c64, usize)> {
+    let mut places = vec![];
+    for (number, disc) in discs.iter().enumerate() {
+        for &place in &disc.rough {
+            let distance = (place - disc.centre).norm();
+            let other = |other: &Disc| {
+                let away = (place - other.centre).norm();
+                away < distance || away <= other.empty
+            };
+            if place.im > 0.0 && !discs.iter().any(other) {
+                places.push((place, number));
+            }
+        }
+    }
+    places
 }
 
 struct Search<'a> {
@@ -99,46 +122,28 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Places shifts until their discs cover the rectangle and the places of its edges.
-    fn cover(&self, rectangle: &Rectangle, discs: &mut Vec<Disc>) -> Result<(), Error> {
+    /// Places shifts until no rough place of an eigenvalue in the rectangle is outside the discs.
+    fn cover(&self, rectangle: &Rectangle) -> Result<Vec<Disc>, Error> {
         let whole = rectangle.enlarged();
-        let area = |part: &Rectangle| part.sides().into_iter().product::<f64>();
-        let mut parts = vec![whole];
-        let mut covered = 0.0;
-        // All parts of a generation are looked at independently, so the result does not depend on the number of threads.
-        while !parts.is_empty() {
-            if let Some(part) =
-                parts.iter().find(|part| part.sides()[0] < SMALLEST * whole.sides()[0])
-            {
-                return Err(Error::analysis(format!(
-                    "no eigenvalue converges near {}; a larger dimension of the Krylov space may help",
-                    part.centre()
-                )));
-            }
-            let shares: Vec<f64> = parts.iter().map(|part| area(part) / area(&whole)).collect();
+        let mut shifts = vec![whole.centre()];
+        let mut discs: Vec<Disc> = vec![];
+        while !shifts.is_empty() && discs.len() < self.options.most {
+            let before = covered(&whole, &discs);
+            // All shifts of a generation are independent, so the result does not depend on the number of threads.
             let found = parallel::collect(
-                parts.len(),
+                shifts.len(),
                 &|number| {
-                    let [width, height] = parts[number].sides();
-                    // A little more than the half diagonal, so that a mode at a corner does not decide.
-                    let radius = 0.5 * width.hypot(height) * (1.0 + 1e-6);
-                    self.look(parts[number].centre(), radius, 0, &[])
+                    let corners = whole.corners();
+                    let away = corners.iter().map(|corner| (corner - shifts[number]).norm());
+                    self.look(shifts[number], away.fold(0.0, f64::max), 0, &[])
                 },
-                &|done| {
-                    (self.watch.progress)((covered + shares[..done].iter().sum::<f64>()).min(1.0))
-                },
+                &|_| (self.watch.progress)(before),
             )?;
-            covered += shares.iter().sum::<f64>();
-            let mut next = vec![];
-            for (part, disc) in parts.iter().zip(&found) {
-                next.extend(rest(part, disc));
-            }
             discs.extend(found);
-            next.retain(|part| !discs.iter().any(|disc| holds(disc, part)));
-            covered -= next.iter().map(|part| area(part) / area(&whole)).sum::<f64>();
-            parts = next;
+            (self.watch.progress)(covered(&whole, &discs));
+            shifts = next(&whole, &discs);
         }
-        Ok(())
+        Ok(discs)
     }
 
     /// Looks at the surroundings of a shift.
@@ -160,34 +165,53 @@ impl Search<'_> {
     }
 }
 
-/// `true` if a disc covers a part of the plane.
-fn holds(disc: &Disc, part: &Rectangle) -> bool {
-    part.corners().iter().all(|corner| (corner - disc.centre).norm() <= disc.radius)
+/// The part of the longer middle line of a rectangle that is in discs.
+fn covered(rectangle: &Rectangle, discs: &[Disc]) -> f64 {
+    let ([width, height], centre) = (rectangle.sides(), rectangle.centre());
+    let side = if width > height { c64::new(width, 0.0) } else { c64::new(0.0, height) };
+    let points = 100;
+    let held = (0..points).filter(|&number| {
+        let place = centre + side * ((f64::from(number) + 0.5) / f64::from(points) - 0.5);
+        discs.iter().any(|disc| (place - disc.centre).norm() <= disc.radius)
+    });
+    held.count() as f64 / f64::from(points)
 }
 
-/// The rest of a part about whose centre a disc is known, in pieces.
-fn rest(part: &Rectangle, disc: &Disc) -> Vec<Rectangle> {
-    if holds(disc, part) {
-        return vec![];
-    }
-    let sides = part.sides();
-    let axis = usize::from(sides[1] > sides[0]);
-    let (length, half) = (sides[axis], 0.5 * sides[1 - axis]);
-    let centre = part.centre();
-    let away = (disc.centre - centre).norm();
-    let radius = disc.radius - away;
-    if radius <= 1.1 * half {
-        return vec![part.slice(axis, 0.0, 0.5), part.slice(axis, 0.5, 1.0)];
-    }
-    let reach = (radius * radius - half * half).sqrt();
-    let end = 0.5 - reach / length;
-    // Neighbouring discs will be about as large.
-    let pieces = (end * length / (1.8 * reach)).ceil().max(1.0) as usize;
-    let piece = |number: usize| end * number as f64 / pieces as f64;
-    (0..pieces)
-        .flat_map(|number| {
-            let (from, to) = (piece(number), piece(number + 1));
-            [part.slice(axis, from, to), part.slice(axis, 1.0 - to, 1.0 - from)]
+/// The next shifts: rough places of eigenvalues in the rectangle at such distances that discs as large as the one from which
+/// the place is known will just touch it.
+fn next(rectangle: &Rectangle, discs: &[Disc]) -> Vec<c64> {
+    // A place, and its distance from the disc's centre and the disc's radius.
+    let mut places: Vec<(c64, f64, f64)> = rough(discs)
+        .into_iter()
+        .filter(|(place, _)| rectangle.contains(*place))
+        .map(|(place, number)| {
+            let disc = &discs[number];
+            (place, (place - disc.centre).norm(), disc.empty)
         })
-        .collect()
+        .collect();
+    // First those at up to 1.9 radii, from the farthest on; then the others, from the nearest on.
+    let order = |&(_, away, radius): &(c64, f64, f64)| {
+        let far = away > 1.9 * radius;
+        (far, if far { away / radius } else { -away / radius })
+    };
+    places.sort_by(|a, b| {
+        let (a, b) = (order(a), order(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    let mut shifts: Vec<c64> = vec![];
+    let mut taken: Vec<(c64, f64)> = vec![];
+    for place in places {
+        let (far, _) = order(&place);
+        let (place, away, radius) = place;
+        if taken.iter().any(|(other, radius)| (place - other).norm() <= *radius) {
+            continue;
+        }
+        if far && !shifts.is_empty() {
+            break;
+        }
+        // Not on the eigenvalue itself, which would hide the others.
+        shifts.push(place + c64::from_polar(ASIDE * away, 1.0));
+        taken.push((place, radius.max(0.5 * away)));
+    }
+    shifts
 }

@@ -7,7 +7,7 @@ use amontons::Error;
 use faer::c64;
 
 /// The largest backward error of a solution with factors that are used.
-const BACKWARD: f64 = 1e-11;
+const BACKWARD: f64 = 1e-10;
 
 /// The operator z ↦ (A − σ B)⁻¹ B z on z = (x, λ x / s), whose eigenvalues are 1 / (λ − σ).
 ///

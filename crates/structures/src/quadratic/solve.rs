@@ -1,7 +1,8 @@
 //! Solutions with the factors.
 
+use super::dense::{add, dot, subtract_product};
 use super::factors::Factors;
-use faer::c64;
+use faer::{MatRef, c64};
 
 impl Factors<'_> {
     /// Replaces the right-hand side by the solution x of P(λ) x = b, or of P(λ)ᵀ x = b.
@@ -21,7 +22,7 @@ impl Factors<'_> {
     }
 
     fn solve_plain(&self, y: &mut [c64]) {
-        let mut gathered = vec![];
+        let (mut gathered, mut below) = (vec![], vec![]);
         for supernode in &self.analysis.supernodes {
             let (width, rows) = (supernode.width(), supernode.width() + supernode.below.len());
             let panel = &self.values[supernode.offset..][..rows * width];
@@ -29,10 +30,13 @@ impl Factors<'_> {
             gathered.clear();
             gathered.extend(self.exchanged[supernode.columns.clone()].iter().map(|&row| head[row]));
             gathered.resize(rows, c64::default());
+            let (head, tail) = gathered.split_at_mut(width);
             for (local, column) in panel.chunks_exact(rows).enumerate() {
-                let factor = -gathered[local];
-                add(factor, &column[local + 1..], &mut gathered[local + 1..]);
+                let factor = -head[local];
+                add(factor, &column[local + 1..width], &mut head[local + 1..]);
             }
+            let panel = MatRef::from_column_major_slice(panel, rows, width);
+            subtract_product(panel.get(width.., ..), head, tail);
             y[supernode.columns.clone()].copy_from_slice(&gathered[..width]);
             for (&row, value) in supernode.below.iter().zip(&gathered[width..]) {
                 y[row] += value;
@@ -44,9 +48,10 @@ impl Factors<'_> {
             let right = &self.values[supernode.right()..][..width * supernode.below.len()];
             gathered.clear();
             gathered.extend_from_slice(&y[supernode.columns.clone()]);
-            for (&row, column) in supernode.below.iter().zip(right.chunks_exact(width)) {
-                add(-y[row], column, &mut gathered);
-            }
+            below.clear();
+            below.extend(supernode.below.iter().map(|&row| y[row]));
+            let right = MatRef::from_column_major_slice(right, width, below.len());
+            subtract_product(right, &below, &mut gathered);
             for (local, column) in panel.chunks_exact(rows).enumerate().rev() {
                 gathered[local] /= column[local];
                 let factor = -gathered[local];
@@ -64,12 +69,13 @@ impl Factors<'_> {
             let right = &self.values[supernode.right()..][..width * supernode.below.len()];
             let head = &mut y[supernode.columns.clone()];
             for (local, column) in panel.chunks_exact(rows).enumerate() {
-                head[local] = (head[local] - dot(&column[..local], &head[..local])) / column[local];
+                head[local] =
+                    (head[local] - dot::<false>(&column[..local], &head[..local])) / column[local];
             }
             gathered.clear();
             gathered.extend_from_slice(head);
             for (&row, column) in supernode.below.iter().zip(right.chunks_exact(width)) {
-                y[row] -= dot(column, &gathered);
+                y[row] -= dot::<false>(column, &gathered);
             }
         }
         for supernode in self.analysis.supernodes.iter().rev() {
@@ -79,7 +85,7 @@ impl Factors<'_> {
             gathered.extend_from_slice(&y[supernode.columns.clone()]);
             gathered.extend(supernode.below.iter().map(|&row| y[row]));
             for (local, column) in panel.chunks_exact(rows).enumerate().rev() {
-                let sum = dot(&column[local + 1..], &gathered[local + 1..]);
+                let sum = dot::<false>(&column[local + 1..], &gathered[local + 1..]);
                 gathered[local] -= sum;
             }
             let exchanged = &self.exchanged[supernode.columns.clone()];
@@ -88,16 +94,4 @@ impl Factors<'_> {
             }
         }
     }
-}
-
-/// Adds `factor` times x to y.
-fn add(factor: c64, x: &[c64], y: &mut [c64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += factor * x;
-    }
-}
-
-/// The sum of the products, none conjugated.
-fn dot(x: &[c64], y: &[c64]) -> c64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
 }

@@ -1,137 +1,66 @@
 use super::analysis::Analysis;
 use super::factors::Factors;
+use crate::random;
+use super::shifted::norm;
 use crate::{Quadratic, Sparse};
-use faer::c64;
-use std::time::Instant;
+use faer::{Mat, c64};
+use std::f64::consts::PI;
 
-/// reads "rows cols nnz" then lines
-fn read(path: &str) -> Sparse {
-    let text = std::fs::read_to_string(path).unwrap();
-    let mut lines = text.lines();
-    let n: usize = lines.next().unwrap().trim().parse().unwrap();
-    let entries = lines.map(|line| {
-        let mut words = line.split_whitespace();
-        let row: usize = words.next().unwrap().parse().unwrap();
-        let column: usize = words.next().unwrap().parse().unwrap();
-        (row, column, words.next().unwrap().parse().unwrap())
+/// A random sparse problem with unsymmetric patterns whose units mix.
+fn problem(size: usize) -> Quadratic {
+    let [mass, damping, stiffness] = [(1, 1e-3), (2, 1.0), (3, 1e6)].map(|(seed, unit)| {
+        let numbers = random::vector(seed, size * size);
+        let entries = (0..size * size).filter_map(|place| {
+            let (row, column) = (place % size, place / size);
+            let diagonal = if row == column { 3.0 } else { 0.0 };
+            let kept = row == column || numbers[place].im > 0.8;
+            kept.then(|| (row, column, unit * (diagonal + numbers[place].re)))
+        });
+        Sparse::from_entries(size, size, entries).unwrap()
     });
-    Sparse::from_entries(n, n, entries).unwrap()
+    Quadratic::new(mass, damping, stiffness).unwrap()
 }
 
 #[test]
-#[ignore]
-fn speed() {
-    let base = std::env::var("BRAKE").unwrap();
-    let [m, c, k] = ["M", "C", "K"].map(|name| read(&format!("{base}/{name}.txt")));
-    let problem = Quadratic::new(m, c, k).unwrap();
-    let start = Instant::now();
-    let analysis = Analysis::new(&problem).unwrap();
-    println!(
-        "n {} analysis {:?} size {} supernodes {}",
-        problem.size(),
-        start.elapsed(),
-        analysis.size,
-        analysis.supernodes.len()
-    );
-    let flops: f64 = analysis
-        .supernodes
-        .iter()
-        .map(|s| {
-            let (w, b) = (s.width() as f64, s.below.len() as f64);
-            8.0 * (w * w * w / 3.0 + w * w * b + w * b * b)
-        })
-        .sum();
-    let largest = analysis.supernodes.iter().map(|s| s.width() + s.below.len()).max();
-    let lambda = c64::new(10.0, 2.0e4);
-    for _ in 0..3 {
-        let start = Instant::now();
-        let factors = Factors::new(&analysis, lambda).unwrap();
-        let t = start.elapsed();
-        println!(
-            "factor {:?} GFlops {} of {:.3e} largest {:?} det {:?}",
-            t,
-            flops / t.as_secs_f64() * 1e-9,
-            flops,
-            largest,
-            factors.determinant
-        );
-        for transposed in [false, true] {
-            let b: Vec<c64> =
-                (0..problem.size()).map(|i| c64::new((i as f64).sin(), 1.0)).collect();
-            let mut x = b.clone();
-            let start = Instant::now();
-            factors.solve(transposed, &mut x);
-            let t = start.elapsed();
-            let r = problem.apply(lambda, transposed, &x);
-            let norm = |x: &[c64]| x.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
-            let d: Vec<c64> = r.iter().zip(&b).map(|(r, b)| r - b).collect();
-            println!(
-                "solve {:?} backward {:e}",
-                t,
-                norm(&d) / (problem.norm(lambda) * norm(&x) + norm(&b))
-            );
+fn factors_solve_and_have_the_determinant_of_the_dense_matrix() {
+    for size in [1, 2, 3, 10, 60] {
+        let problem = problem(size);
+        let analysis = Analysis::new(&problem).unwrap();
+        for lambda in [c64::new(3.0, 1e4), c64::new(-5.0, 0.0), c64::new(-2e5, 1e5)] {
+            let factors = Factors::new(&analysis, lambda).unwrap();
+            let mut dense = Mat::zeros(size, size);
+            for column in 0..size {
+                let mut unit = vec![c64::default(); size];
+                unit[column] = c64::new(1.0, 0.0);
+                for (row, value) in problem.apply(lambda, false, &unit).into_iter().enumerate() {
+                    // Determinants of large matrices leave the range of doubles.
+                    dense[(row, column)] = value / problem.norm(lambda);
+                }
+            }
+            let expected = dense.determinant();
+            let log = expected.norm().ln() + size as f64 * problem.norm(lambda).ln();
+            let turn = (factors.determinant.phase - expected.arg()) / (2.0 * PI);
+            assert!((factors.determinant.log - log).abs() < 1e-11 * log.abs().max(1.0));
+            assert!((turn - turn.round()).abs() < 1e-12);
+            for transposed in [false, true] {
+                let right = random::vector(9, size);
+                let mut x = right.clone();
+                factors.solve(transposed, &mut x);
+                let mut residual = problem.apply(lambda, transposed, &x);
+                residual.iter_mut().zip(&right).for_each(|(value, right)| *value -= right);
+                assert!(norm(&residual) < 1e-14 * problem.norm(lambda) * norm(&x));
+            }
         }
     }
 }
 
 #[test]
-#[ignore]
-fn brake() {
-    use crate::quadratic::{Options, Rectangle, count, eigenvalues};
-    use amontons_analysis::watch::Watch;
-    let base = std::env::var("BRAKE").unwrap();
-    let number = |name: &str, default: f64| {
-        std::env::var(name).map_or(default, |text| text.parse().unwrap())
-    };
-    let [m, c, k] = ["M", "C", "K"].map(|name| read(&format!("{base}/{name}.txt")));
-    let problem = Quadratic::new(m, c, k).unwrap();
-    let rectangle = Rectangle::new(
-        [-number("LEFT", 2000.0), number("RIGHT", 2000.0)],
-        [number("LOW", 1000.0), number("HIGH", 2.0e5)],
-    )
-    .unwrap();
-    let options = Options {
-        bounds: number("BOUNDS", 1.0) > 0.0,
-        dimension: number("DIM", 100.0) as usize,
-        ..Options::default()
-    };
-    let start = Instant::now();
-    let work = || eigenvalues(&problem, &rectangle, &options, Watch::IDLE).unwrap();
-    let found = if number("ALONE", 1.0) > 0.0 {
-        amontons_analysis::stability::on_this_thread(work)
-    } else {
-        work()
-    };
-    println!(
-        "search {:?} {} inside of {}, factorizations {} solves {}",
-        start.elapsed(),
-        found.inside().count(),
-        found.modes.len(),
-        found.factorizations,
-        found.solves
-    );
-    for t in &found.trusted {
-        println!("  {:?}", t);
-    }
-    let most = |f: fn(&super::Mode) -> f64| found.inside().map(f).fold(0.0, f64::max);
-    println!(
-        "backward {:e} bound {:e} relative {:e} unknown {}",
-        most(|m| m.backward),
-        most(|m| m.bound.unwrap_or(0.0)),
-        most(|m| m.bound.unwrap_or(0.0) / m.eigenvalue.norm()),
-        found.inside().filter(|m| m.bound.is_none()).count()
-    );
-    if number("LIST", 0.0) > 0.0 {
-        for m in found.inside() {
-            println!("{} {:e} {:?}", m.eigenvalue, m.backward, m.bound);
-        }
-    }
-    let start = Instant::now();
-    let work = || count(&problem, &found.edges, &found.found(), Watch::IDLE).unwrap();
-    let c = if number("ALONE", 1.0) > 0.0 {
-        amontons_analysis::stability::on_this_thread(work)
-    } else {
-        work()
-    };
-    println!("count {:?} {:?}", start.elapsed(), c);
+fn each_value_of_the_factors_has_one_place() {
+    let analysis = Analysis::new(&problem(40)).unwrap();
+    let mut targets: Vec<usize> = analysis.terms.iter().map(|term| term.target).collect();
+    targets.sort_unstable();
+    assert!(targets.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(*targets.last().unwrap() < analysis.size);
+    let columns: usize = analysis.supernodes.iter().map(|supernode| supernode.width()).sum();
+    assert_eq!(columns, 40);
 }
