@@ -244,7 +244,8 @@ fn defective_eigenvalues_keep_their_multiplicity() {
     (inner[(0, 0)], inner[(1, 1)], inner[(0, 1)]) = (2.0, 2.0, 1.0);
     inner[(2, 2)] = 7.5;
     let turn: DMatrix<f64> = random(size, 3) + 3.0 * DMatrix::identity(size, size);
-    let k = &turn * &inner * turn.clone().try_inverse().unwrap();
+    let back = turn.clone().try_inverse().unwrap();
+    let k = turn * inner.clone() * back;
     let identity = DMatrix::identity(size, size);
     let expected: Vec<c64> = (0..size).map(|row| c64::new(0.0, inner[(row, row)].sqrt())).collect();
     let problem = problem(&identity, &DMatrix::zeros(size, size), &k);

@@ -77,13 +77,12 @@ impl Analysis {
         let (order, mut supernodes) = supernodes(problem.size(), &union)?;
         let mut size = 0;
         let mut owner = vec![0; order.len()];
-        for number in 0..supernodes.len() {
-            let supernode = &mut supernodes[number];
+        for (number, supernode) in supernodes.iter_mut().enumerate() {
             supernode.offset = size;
             size = supernode.end();
             owner[supernode.columns.clone()].fill(number);
-            // Its update goes to the supernode that eliminates the first row below it, which comes later.
         }
+        // The update of each goes to the supernode that eliminates the first row below it, which comes later.
         for number in 0..supernodes.len() {
             if let Some(&first) = supernodes[number].below.first() {
                 supernodes[owner[first]].children.push(number);

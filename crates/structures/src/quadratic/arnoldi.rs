@@ -64,7 +64,7 @@ struct Space {
 /// Returns an error if the work has been ended, or if the small eigenvalue problem cannot be solved.
 pub(super) fn nearest(shifted: &Shifted, wish: &Wish, watch: Watch) -> Result<Nearest, Error> {
     let rows = 2 * shifted.problem.size();
-    let most = (wish.dimension + wish.known.len()).min(rows);
+    let most = (wish.dimension.max(2) + wish.known.len()).min(rows);
     let mut space = Space { rows, basis: vec![], projected: Mat::zeros(most + 1, most) };
     for pair in wish.known {
         let mut z = shifted.extended(pair.eigenvalue, &pair.vector);
@@ -120,11 +120,12 @@ pub(super) fn nearest(shifted: &Shifted, wish: &Wish, watch: Watch) -> Result<Ne
         if last || (columns >= check && couple > 0.0) {
             check = columns + 10.max((columns - known) / 4);
             let whole = columns == rows;
-            let (ritz, radius, rough) =
-                ritz(&space, shifted.shift, columns, if whole { 0.0 } else { couple })?;
+            // The whole space is left by nothing.
+            let couple = if whole { 0.0 } else { couple };
+            let Ritz { converged, radius, rough } = ritz(&space, shifted.shift, columns, couple)?;
             let radius = if whole { f64::INFINITY } else { radius };
             if last || radius >= wish.radius {
-                let pairs = space.pairs(shifted.problem.size(), columns, &ritz);
+                let pairs = space.pairs(shifted.problem.size(), columns, &converged);
                 return Ok(Nearest { pairs, radius, rough, solves });
             }
         }
@@ -140,45 +141,46 @@ fn fresh(shifted: &Shifted, transposed: bool, space: &Space, seed: &mut u64) -> 
     z
 }
 
-/// Converged Ritz values by distance from the shift, each with its vector in the basis, and the radius in which all have
-/// converged, and the other Ritz values. `couple` is the norm of the part of the operator that leaves the space.
-fn ritz(
-    space: &Space,
-    shift: c64,
-    columns: usize,
-    couple: f64,
-) -> Result<(Vec<(c64, Vec<c64>)>, f64, Vec<c64>), Error> {
+/// Ritz values by distance from the shift.
+struct Ritz {
+    /// Those that have converged, up to the first that has not, each with its vector in the basis.
+    converged: Vec<(c64, Vec<c64>)>,
+    /// The distance of the last of them.
+    radius: f64,
+    /// The others.
+    rough: Vec<c64>,
+}
+
+/// The Ritz values of a space. `couple` is the norm of the part of the operator that leaves the space.
+fn ritz(space: &Space, shift: c64, columns: usize, couple: f64) -> Result<Ritz, Error> {
     let eigen =
         space.projected.get(..columns, ..columns).eigen().map_err(|_| {
             Error::analysis("the eigenvalues of the projected problem do not converge")
         })?;
-    let values = eigen.S().column_vector();
-    let vectors = eigen.U();
+    let (values, vectors) = (eigen.S().column_vector(), eigen.U());
     let mut order: Vec<usize> = (0..columns).collect();
     order.sort_by(|&a, &b| values[b].norm().total_cmp(&values[a].norm()));
     let largest = order.first().map_or(0.0, |&index| values[index].norm());
-    let (mut found, mut radius, mut rough) = (vec![], 0.0, vec![]);
-    let mut converged = true;
+    // The rounding of solutions is relative to the largest value, so near to an eigenvalue a shift shows no others.
+    let rounding = f64::EPSILON * largest;
+    // Those of infinite eigenvalues are left out.
+    order.retain(|&index| values[index].norm() > rounding);
+    let mut result = Ritz { converged: vec![], radius: 0.0, rough: vec![] };
     for index in order {
         let (value, vector) = (values[index], vectors.col(index));
         let norm = (0..columns).map(|row| vector[row].norm_sqr()).sum::<f64>().sqrt();
         let residual = couple * vector[columns - 1].norm() / norm;
         let distance = value.inv();
-        // Of infinite eigenvalues, or not a number.
-        if !(value.norm() > f64::EPSILON * largest) {
-            break;
+        let converged = residual <= TOLERANCE * value.norm() && rounding <= ROUNDED * value.norm();
+        if converged && result.rough.is_empty() {
+            result.radius = distance.norm();
+            let vector = (0..columns).map(|row| vector[row] / norm).collect();
+            result.converged.push((shift + distance, vector));
+        } else {
+            result.rough.push(shift + distance);
         }
-        // The rounding of solutions is relative to the largest value, so near to an eigenvalue a shift shows no others.
-        let rounding = f64::EPSILON * largest;
-        converged &= residual <= TOLERANCE * value.norm() && rounding <= ROUNDED * value.norm();
-        if !converged {
-            rough.push(shift + distance);
-            continue;
-        }
-        radius = distance.norm();
-        found.push((shift + distance, (0..columns).map(|row| vector[row] / norm).collect()));
     }
-    Ok((found, radius, rough))
+    Ok(result)
 }
 
 impl Space {

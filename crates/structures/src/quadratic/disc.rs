@@ -112,16 +112,11 @@ fn bound(problem: &Quadratic, right: &[&Pair], left: &[&Pair]) -> f64 {
 /// matrices are real, an eigenvalue without a conjugate is real.
 fn fold(centre: c64, radius: f64, modes: Vec<Mode>) -> Vec<Mode> {
     let eigenvalues: Vec<c64> = modes.iter().map(|mode| mode.eigenvalue).collect();
+    let away = |value: c64| nearness(centre, value);
     let mut lower = vec![false; modes.len()];
-    let mut upper = vec![false; modes.len()];
+    let mut upper: Vec<bool> = eigenvalues.iter().map(|&value| value.im > away(value)).collect();
     for (number, &eigenvalue) in eigenvalues.iter().enumerate() {
-        if eigenvalue.im <= nearness(centre, eigenvalue) {
-            continue;
-        }
-        upper[number] = true;
-    }
-    for (number, &eigenvalue) in eigenvalues.iter().enumerate() {
-        if eigenvalue.im < -nearness(centre, eigenvalue) {
+        if eigenvalue.im < -away(eigenvalue) {
             lower[number] = true;
         } else if eigenvalue.im > 0.0 && !upper[number] {
             let distance = |other: usize| (eigenvalues[other] - eigenvalue.conj()).norm();

@@ -11,6 +11,8 @@ use amontons_analysis::stability::parallel;
 use amontons_analysis::watch::Watch;
 use faer::c64;
 
+/// The choice of start vectors of a second look, none of which the first can have come to.
+const SECOND: u64 = 1 << 32;
 /// A chosen shift is so far from a rough place of an eigenvalue, relative to the distance of the shift that showed it.
 const ASIDE: f64 = 0.02;
 /// A shift at which P is singular is moved by this part of the wanted radius.
@@ -63,19 +65,33 @@ pub fn eigenvalues_again(
     let analysis = Analysis::new(problem)?;
     let search = Search { problem, analysis: &analysis, options, watch };
     let count = found.trusted.len();
+    let known = |number: usize| {
+        let Trusted { centre, radius } = found.trusted[number];
+        found.modes.iter().filter(move |mode| (mode.eigenvalue - centre).norm() <= radius)
+    };
     let look = |number: usize| {
         let Trusted { centre, radius } = found.trusted[number];
-        let known: Vec<Pair> = found
-            .modes
-            .iter()
-            .filter(|mode| (mode.eigenvalue - centre).norm() <= radius)
+        let pairs: Vec<Pair> = known(number)
             .map(|mode| Pair { eigenvalue: mode.eigenvalue, vector: mode.vector.clone() })
             .collect();
-        search.look(centre, radius, 1000, &known)
+        search.look(centre, radius, SECOND, &pairs)
     };
-    let discs =
+    let seen =
         parallel::collect(count, &look, &|done| (watch.progress)(done as f64 / count as f64))?;
-    Ok(collected(&found.rectangle, discs))
+    // A new disc may be smaller than the old one.
+    let old = (0..count).map(|number| {
+        let Trusted { centre, radius } = found.trusted[number];
+        let modes = known(number).cloned().collect();
+        Disc { centre, radius, empty: radius, modes, rough: vec![], solves: 0 }
+    });
+    let seen = collected(&found.rectangle, old.chain(seen).collect());
+    Ok(Eigenvalues {
+        rough: found.rough.clone(),
+        trusted: found.trusted.clone(),
+        factorizations: found.factorizations + count,
+        solves: found.solves + seen.solves,
+        ..seen
+    })
 }
 
 /// The result of all discs.
