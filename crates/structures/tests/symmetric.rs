@@ -116,6 +116,16 @@ fn all_copies_of_a_multiple_eigenvalue_are_found() {
     }
 }
 
+/// Thirty equal chains leave the first block within the space of eight of them.
+#[test]
+fn copies_that_no_start_vector_reaches_are_found_from_new_ones() {
+    let limit = 1.2 * frequencies(2, Ends::Springs)[0];
+    let nodes: Vec<u64> = (0..30).map(|copy| 2 * copy + 1).collect();
+    let certificate = certified(&chains(30, 2, Ends::Springs), &nodes, limit, 10.0 * limit);
+    assert!(certificate.is_complete());
+    assert_eq!(certificate.full, 30);
+}
+
 #[test]
 fn a_free_structure_has_its_rigid_mode_and_the_others_are_exact() {
     let exact = frequencies(60, Ends::Nothing);

@@ -10,6 +10,7 @@ mod parallel;
 mod program;
 mod shards;
 mod stability_command_line;
+mod structures;
 mod study_basin;
 mod study_continuation;
 mod study_limit_cycle;

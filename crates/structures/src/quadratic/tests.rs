@@ -1,7 +1,7 @@
 use super::analysis::Analysis;
 use super::factors::Factors;
-use crate::random;
 use super::shifted::norm;
+use crate::random;
 use crate::{Quadratic, Sparse};
 use faer::{Mat, c64};
 use std::f64::consts::PI;

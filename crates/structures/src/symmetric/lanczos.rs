@@ -96,15 +96,18 @@ pub fn lowest(
                 let chosen = Mat::from_fn(size, count, |row, at| vectors[(row, found[at])]);
                 return polish(stiffness, mass, factors, &(basis.columns(0, size) * chosen));
             }
-            if appended == 0 {
+        }
+        block = appended;
+        if block == 0 {
+            // The space is closed under multiplication: other modes have no part in it.
+            block = basis.append(mass, random::block(size as u64, order, BLOCK.min(order))).0;
+            if block == 0 {
                 return Err(Error::analysis(format!(
-                    "of {count} modes below {:.6} Hz only {} were found; ask for another frequency",
-                    frequency(below),
-                    found.len()
+                    "fewer than {count} modes are below {:.6} Hz, but so many were counted; ask for another frequency",
+                    frequency(below)
                 )));
             }
         }
-        block = appended;
     }
 }
 

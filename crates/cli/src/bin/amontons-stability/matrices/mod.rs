@@ -12,7 +12,9 @@ use amontons_cli::interrupt::watched;
 use amontons_cli::progress::Progress;
 use amontons_pictures::picture;
 use amontons_structures::family::{Family, Follower};
-use amontons_structures::quadratic::{Mode, Options, Rectangle, count, eigenvalues};
+use amontons_structures::quadratic::{
+    Mode, Options, Outcome, Rectangle, count, eigenvalues, eigenvalues_again,
+};
 use found::{Found, Value};
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -20,6 +22,8 @@ use std::time::{Duration, Instant};
 
 /// The share of the work at one value that the search takes.
 const SEARCH: f64 = 0.5;
+/// Searches while modes are missing.
+const TRIALS: usize = 3;
 
 pub fn run(arguments: &Matrices, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
@@ -34,17 +38,27 @@ pub fn run(arguments: &Matrices, out: &mut dyn Write) -> Result<(), Failure> {
     let mut look = |place: usize, watch: Watch<'_>| -> Result<Value, Failure> {
         let problem = loaded.member(place)?;
         size = problem.size();
-        let begun = Instant::now();
         let first = |part: f64| (watch.progress)(SEARCH * part);
-        let watch_search = Watch { progress: &first, ..watch };
-        let options = Options::default();
-        let found = eigenvalues(&problem, &rectangle, &options, watch_search)?;
-        searched.add(begun, found.factorizations);
-        let begun = Instant::now();
         let second = |part: f64| (watch.progress)(SEARCH + (1.0 - SEARCH) * part);
+        let watch_search = Watch { progress: &first, ..watch };
         let watch_count = Watch { progress: &second, ..watch };
-        let count = count(&problem, &rectangle, &found.found(), watch_count)?;
-        counted.add(begun, count.factorizations);
+        let options = Options::default();
+        let begun = Instant::now();
+        let mut found = eigenvalues(&problem, &rectangle, &options, watch_search)?;
+        searched.add(begun, found.factorizations);
+        let mut trials = 0;
+        let count = loop {
+            let begun = Instant::now();
+            let count = count(&problem, &rectangle, &found.found(), &found.rough, watch_count)?;
+            counted.add(begun, count.factorizations);
+            trials += 1;
+            if trials == TRIALS || !matches!(count.outcome, Outcome::Missing(_)) {
+                break count;
+            }
+            let begun = Instant::now();
+            found = eigenvalues_again(&problem, &found, &options, watch_search)?;
+            searched.add(begun, found.factorizations);
+        };
         let modes: Vec<Mode> = found.inside().cloned().collect();
         let value = family.parameter().map(|parameter| parameter.values[place]);
         let value = Value::new(value, &modes, &count);

@@ -9,7 +9,7 @@ use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::watched;
 use amontons_cli::progress::Progress;
 use amontons_matrices::{
-    align, open, read_freedoms, write_freedoms, write_matrix_market, write_npy,
+    Matrix, align, open, read_freedoms, write_freedoms, write_matrix_market, write_npy,
 };
 use amontons_structures::symmetric::{Request, Structure, Superelement, certify, reduce};
 use std::fmt;
