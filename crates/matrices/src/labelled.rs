@@ -38,10 +38,10 @@ pub(crate) fn position(freedoms: &[Freedom], freedom: Freedom) -> usize {
 /// symmetric matrix, so that no entry has a partner across the diagonal. A matrix of friction alone has such entries too, but
 /// not a diagonal entry in each of its rows.
 pub(crate) fn symmetry<T: Copy + Ord + Hash>(
-    places: impl Iterator<Item = (T, T)> + Clone,
+    mut places: impl Iterator<Item = (T, T)> + Clone,
 ) -> Symmetry {
     let seen: HashSet<(T, T)> = places.clone().collect();
-    let is_symmetric = places.clone().all(|(row, column)| {
+    let is_symmetric = places.all(|(row, column)| {
         let has_partner = row != column && seen.contains(&(column, row));
         !has_partner && seen.contains(&(row, row)) && seen.contains(&(column, column))
     });

@@ -111,16 +111,23 @@ fn matrices_of_a_structure_by_abaqus_have_nodes_or_numbers() {
     assert_eq!(matrix.symmetry, Symmetry::General);
     assert_eq!(entries(&matrix), [(0, 0, 3.0), (1, 0, -2.0), (0, 1, -1.0), (1, 1, 25.0)]);
 
-    let mixed = "1 1 4.0\n2 1 5.0\n2 3 6.0\n";
+    let mixed = "1 1 4.0\n2 1 5.0\n2 2 7.0\n2 3 6.0\n3 3 8.0\n";
     let matrix = only(abaqus::read(mixed.as_bytes()).unwrap());
     assert_eq!(matrix.symmetry, Symmetry::Symmetric);
-    let expected = [(0, 0, 4.0), (1, 0, 5.0), (0, 1, 5.0), (2, 1, 6.0), (1, 2, 6.0)];
+    let expected =
+        [(0, 0, 4.0), (1, 0, 5.0), (0, 1, 5.0), (1, 1, 7.0), (2, 1, 6.0), (1, 2, 6.0), (2, 2, 8.0)];
     assert_eq!(entries(&matrix), expected);
 
-    let numbers = "1,1, 4.0\n2 1 -1.5\r\n";
+    // Friction turns the normal motion of a node into tangential forces alone; a mirrored entry would undo its work.
+    let friction = "5,1, 5,3, 0.4\n6,1, 6,3, 0.4\n";
+    let matrix = only(abaqus::read(friction.as_bytes()).unwrap());
+    assert_eq!(matrix.symmetry, Symmetry::General);
+    assert_eq!(entries(&matrix), [(0, 1, 0.4), (2, 3, 0.4)]);
+
+    let numbers = "1,1, 4.0\n2 1 -1.5\r\n2 2 3\n";
     let matrix = only(abaqus::read(numbers.as_bytes()).unwrap());
     assert_eq!((matrix.rows, &matrix.freedoms), (2, &None));
-    assert_eq!(entries(&matrix), [(0, 0, 4.0), (1, 0, -1.5), (0, 1, -1.5)]);
+    assert_eq!(entries(&matrix), [(0, 0, 4.0), (1, 0, -1.5), (0, 1, -1.5), (1, 1, 3.0)]);
 }
 
 #[test]

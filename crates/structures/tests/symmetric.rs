@@ -133,9 +133,9 @@ fn a_free_structure_has_its_rigid_mode_and_the_others_are_exact() {
     let certificate = certified(&chains(1, 60, Ends::Nothing), &[1, 60], limit, 4.0 * limit);
     assert!(certificate.is_complete() && certificate.full == 10);
     assert!(certificate.is_rigid(0) && !certificate.is_rigid(1));
-    for mode in 1..10 {
-        let [low, high] = certificate.intervals[mode].frequencies();
-        assert!(low <= exact[mode] && exact[mode] <= high);
+    for (interval, exact) in certificate.intervals.iter().zip(exact).skip(1) {
+        let [low, high] = interval.frequencies();
+        assert!(low <= exact && exact <= high);
     }
 }
 
@@ -143,14 +143,14 @@ fn a_free_structure_has_its_rigid_mode_and_the_others_are_exact() {
 fn modes_are_counted_beside_any_frequency_and_also_at_one_of_them() {
     let exact = frequencies(25, Ends::Springs);
     let chain = chains(1, 25, Ends::Springs);
-    for mode in 1..20 {
-        let limit = exact[mode] * (1.0 + 1e-5);
+    for (mode, &exact) in exact.iter().enumerate().take(20).skip(1) {
+        let limit = exact * (1.0 + 1e-5);
         assert_eq!(certified(&chain, &[1, 25], limit, 1e4).full, mode + 1);
-        let limit = exact[mode] * (1.0 - 1e-5);
+        let limit = exact * (1.0 - 1e-5);
         assert_eq!(certified(&chain, &[1, 25], limit, 1e4).full, mode);
         // The limit moves off the mode.
-        let moved = certified(&chain, &[1, 25], exact[mode], 1e4);
-        assert!(moved.full == mode + 1 && moved.limit > exact[mode] && moved.is_complete());
+        let moved = certified(&chain, &[1, 25], exact, 1e4);
+        assert!(moved.full == mode + 1 && moved.limit > exact && moved.is_complete());
     }
 }
 
@@ -273,10 +273,10 @@ fn frequencies_of_a_block_are_those_that_the_finite_element_program_has_found() 
         .filter(|words| words.len() == 5 && words[0].parse::<u32>().is_ok())
         .map(|words| words[3].parse().unwrap())
         .collect();
-    for mode in 6..free.full {
+    for (mode, printed) in printed.into_iter().enumerate().take(free.full).skip(6) {
         let [low, high] = free.intervals[mode].frequencies();
         assert!((high - low) / low < 1e-10);
-        assert!((printed[mode] - low).abs() < 1e-6 * low, "{} and {low}", printed[mode]);
+        assert!((printed - low).abs() < 1e-6 * low, "{printed} and {low}");
         assert!(free.error(mode).unwrap() < 1e-4, "mode {mode}: {:?}", free.error(mode));
     }
     // With all retained nodes held, only modes that were kept are left: the superelement is exact.

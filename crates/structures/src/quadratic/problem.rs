@@ -1,6 +1,6 @@
 //! The quadratic eigenvalue problem.
 
-use crate::Sparse;
+use crate::sparse::Sparse;
 use amontons::Error;
 use faer::c64;
 

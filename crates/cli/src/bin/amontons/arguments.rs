@@ -212,7 +212,7 @@ fn nodes(text: &str) -> Result<Nodes, String> {
         let (first, last) = word.split_once(':').unwrap_or((word, word));
         match (first.parse::<u64>(), last.parse::<u64>()) {
             (Ok(first), Ok(last)) if first <= last && last - first < MOST_NODES => {
-                nodes.extend(first..=last)
+                nodes.extend(first..=last);
             }
             _ => {
                 return Err(format!(
