@@ -14,6 +14,8 @@ const TOLERANCE: f64 = 1e-13;
 const ROUNDED: f64 = 1e-11;
 /// A new direction that is smaller than this, relative to the vector before its orthogonalisation, is rounding.
 const ROUNDING: f64 = 1e-14;
+/// Ritz values that differ by less than this part of themselves are one eigenvalue of several vectors.
+const EQUAL: f64 = 1e-10;
 /// The smallest part outside the span of the others that a given vector must have to be taken in.
 const DEPENDENT: f64 = 1e-6;
 
@@ -26,7 +28,7 @@ pub(super) struct Pair {
 
 /// All eigenvalues in a disc about the shift, as far as the method can see.
 pub(super) struct Nearest {
-    /// By distance from the shift.
+    /// By distance from the shift; those beyond the radius are some of those that there are.
     pub(super) pairs: Vec<Pair>,
     /// Up to this distance from the shift all Ritz values have converged; 0 if none has.
     pub(super) radius: f64,
@@ -85,16 +87,20 @@ pub(super) fn nearest(shifted: &Shifted, wish: &Wish, watch: Watch) -> Result<Ne
         }
     }
     let mut seed = wish.seed;
-    if known < most {
-        let start = fresh(shifted, wish.transposed, &space, &mut seed);
+    // True if all finite eigenvalues are those of the space.
+    let mut closed = known == most;
+    if !closed {
         solves += 1;
-        space.push(start);
+        match fresh(shifted, wish.transposed, &space, &mut seed) {
+            Some(start) => space.push(start),
+            None => closed = true,
+        }
     }
     let mut check = known + 20;
     loop {
         let columns = space.columns();
         let mut couple = 0.0;
-        if known < most {
+        if !closed {
             watch.check()?;
             let mut z = space.column(columns - 1).to_vec();
             shifted.apply(wish.transposed, &mut z);
@@ -110,21 +116,27 @@ pub(super) fn nearest(shifted: &Shifted, wish: &Wish, watch: Watch) -> Result<Ne
             if columns < most {
                 space.projected[(columns, columns - 1)] = c64::new(couple, 0.0);
                 if couple == 0.0 {
-                    z = fresh(shifted, wish.transposed, &space, &mut seed);
                     solves += 1;
+                    match fresh(shifted, wish.transposed, &space, &mut seed) {
+                        Some(start) => space.push(start),
+                        None => closed = true,
+                    }
+                } else {
+                    space.push(z);
                 }
-                space.push(z);
             }
         }
-        let last = columns == most;
+        let last = columns == most || closed;
         if last || (columns >= check && couple > 0.0) {
             check = columns + 10.max((columns - known) / 4);
-            let whole = columns == rows;
+            let whole = columns == rows || closed && columns < most;
             // The whole space is left by nothing.
             let couple = if whole { 0.0 } else { couple };
-            let Ritz { converged, radius, rough } = ritz(&space, shifted.shift, columns, couple)?;
+            let Ritz { mut converged, radius, rough } =
+                ritz(&space, shifted.shift, columns, couple)?;
             let radius = if whole { f64::INFINITY } else { radius };
             if last || radius >= wish.radius {
+                space.separate(shifted.shift, columns, &mut converged);
                 let pairs = space.pairs(shifted.problem.size(), columns, &converged);
                 return Ok(Nearest { pairs, radius, rough, solves });
             }
@@ -132,20 +144,22 @@ pub(super) fn nearest(shifted: &Shifted, wish: &Wish, watch: Watch) -> Result<Ne
     }
 }
 
-/// A direction orthogonal to the space, in the range of the operator, so without parts of infinite eigenvalues.
-fn fresh(shifted: &Shifted, transposed: bool, space: &Space, seed: &mut u64) -> Vec<c64> {
+/// A direction orthogonal to the space, in the range of the operator, so without parts of infinite eigenvalues. None if the
+/// space has the whole range.
+fn fresh(shifted: &Shifted, transposed: bool, space: &Space, seed: &mut u64) -> Option<Vec<c64>> {
     let mut z = random::vector(*seed, space.rows);
     *seed += 1;
     shifted.apply(transposed, &mut z);
+    let before = norm(&z);
     space.orthogonalise(&mut z);
-    z
+    (norm(&z) > ROUNDING * before).then_some(z)
 }
 
 /// Ritz values by distance from the shift.
 struct Ritz {
-    /// Those that have converged, up to the first that has not, each with its vector in the basis.
+    /// Those that have converged, each with its vector in the basis.
     converged: Vec<(c64, Vec<c64>)>,
-    /// The distance of the last of them.
+    /// The distance of the last of them before the first that has not converged.
     radius: f64,
     /// The others.
     rough: Vec<c64>,
@@ -172,8 +186,10 @@ fn ritz(space: &Space, shift: c64, columns: usize, couple: f64) -> Result<Ritz, 
         let residual = couple * vector[columns - 1].norm() / norm;
         let distance = value.inv();
         let converged = residual <= TOLERANCE * value.norm() && rounding <= ROUNDED * value.norm();
-        if converged && result.rough.is_empty() {
-            result.radius = distance.norm();
+        if converged {
+            if result.rough.is_empty() {
+                result.radius = distance.norm();
+            }
             let vector = (0..columns).map(|row| vector[row] / norm).collect();
             result.converged.push((shift + distance, vector));
         } else {
@@ -216,6 +232,36 @@ impl Space {
             parts.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         }
         parts
+    }
+
+    /// Replaces the vectors of equal Ritz values, which rounding leaves in any and even almost parallel directions, by
+    /// orthonormal ones: the smallest singular vectors of H − θ. Those of defective values stay, since there are not as many.
+    fn separate(&self, shift: c64, columns: usize, ritz: &mut [(c64, Vec<c64>)]) {
+        let mut done = vec![false; ritz.len()];
+        for first in 0..ritz.len() {
+            let place = ritz[first].0;
+            let same: Vec<usize> = (first..ritz.len())
+                .filter(|&other| {
+                    let away = (ritz[other].0 - place).norm();
+                    !done[other] && away <= EQUAL * (place - shift).norm()
+                })
+                .collect();
+            same.iter().for_each(|&other| done[other] = true);
+            if same.len() < 2 {
+                continue;
+            }
+            let value = (place - shift).inv();
+            let mut matrix = self.projected.get(..columns, ..columns).to_owned();
+            (0..columns).for_each(|index| matrix[(index, index)] -= value);
+            let Ok(parts) = matrix.svd() else { continue };
+            let smallest = columns - same.len();
+            if parts.S().column_vector()[smallest].norm() > EQUAL * value.norm() {
+                continue;
+            }
+            for (offset, &other) in same.iter().enumerate() {
+                ritz[other].1 = parts.V().col(smallest + offset).iter().copied().collect();
+            }
+        }
     }
 
     /// The pairs of Ritz values: of the two halves of z, which are parallel, the longer one.

@@ -2,7 +2,8 @@
 
 use super::analysis::Analysis;
 use super::drift::Drift;
-use super::shifted::factorise;
+use super::factors::Factors;
+use super::shifted::{factorise, norm};
 use super::{Quadratic, Rectangle};
 use amontons::Error;
 use amontons_analysis::stability::parallel;
@@ -18,6 +19,13 @@ const MISMATCH: f64 = 0.3;
 const ASIDE: f64 = 1e-5;
 /// The shortest interval that is looked at, relative to the length of the edges.
 const SHORTEST: f64 = 1e-9;
+
+/// The most factorisations, to which [`MORE`] are added for each found eigenvalue: an interval is halved near each of those
+/// next to an edge. Work that is not done by then grows without a bound, since rounding decides the determinant.
+const MOST: usize = 2000;
+const MORE: usize = 20;
+/// The largest error of a solution with factors, relative to the solution, on the edges.
+const FORWARD: f64 = 0.1;
 
 /// The comparison of the eigenvalues that were found with those that there are.
 #[derive(Clone, Debug, PartialEq)]
@@ -215,6 +223,13 @@ impl Path<'_> {
 
     /// log g at places.
     fn evaluate(&mut self, places: &[c64]) -> Result<Vec<Point>, Stop> {
+        let most = MOST + MORE * self.divisors.len();
+        if self.factorizations + places.len() > most {
+            let edge = places[0];
+            return Err(Stop::Reason(format!(
+                "more than {most} factorizations are needed to follow the determinant, last near {edge}"
+            )));
+        }
         let evaluate = |number: usize| {
             self.watch.check()?;
             // A block in the order of elimination may be singular at a place; next to it, it is not.
@@ -228,7 +243,15 @@ impl Path<'_> {
                 }
             }
             let determinant = match factors {
-                Ok(factors) => factors.determinant,
+                Ok(factors) => {
+                    let forward = forward(self.problem, &factors, place);
+                    if forward.is_nan() || forward > FORWARD {
+                        return Ok(Err(Stop::Reason(format!(
+                            "rounding of the matrices moves eigenvalues as far as the edges: solutions at {place} have an error of {forward:.1e}"
+                        ))));
+                    }
+                    factors.determinant
+                }
                 Err(error) => return Ok(Err(Stop::Reason(error.to_string()))),
             };
             let mut value = c64::new(determinant.log, determinant.phase);
@@ -244,6 +267,15 @@ impl Path<'_> {
         self.factorizations += places.len();
         points.into_iter().collect()
     }
+}
+
+/// The error of a solution with factors whose exact value is known, relative to it: how much rounding changes P⁻¹.
+fn forward(problem: &Quadratic, factors: &Factors, lambda: c64) -> f64 {
+    let exact = crate::random::vector(2, problem.size());
+    let mut x = problem.apply(lambda, false, &exact);
+    factors.solve(false, &mut x);
+    x.iter_mut().zip(&exact).for_each(|(x, exact)| *x -= exact);
+    norm(&x) / norm(&exact)
 }
 
 /// The reason for which a count ends early.

@@ -11,6 +11,10 @@ use faer::{Mat, c64};
 /// The nearness of two eigenvalues, relative to their distance from the shift, from which on they are looked at together.
 /// That of a defective pair is the root of the rounding, and more for bad conditions.
 const NEAR: f64 = 1e-5;
+/// A pair with a larger backward error is no mode.
+const BACKWARD: f64 = 1e-10;
+/// A shift that is nearer to an eigenvalue, relative to the distance of another, hides that other one by rounding.
+const HIDING: f64 = 1e-4;
 
 /// The view from one shift.
 #[derive(Clone)]
@@ -24,6 +28,8 @@ pub(super) struct Disc {
     pub(super) modes: Vec<Mode>,
     /// Rough places of eigenvalues farther away.
     pub(super) rough: Vec<c64>,
+    /// `true` if the shift is so near to an eigenvalue that rounding hides others.
+    pub(super) hides: bool,
     /// The number of solutions with the factors.
     pub(super) solves: usize,
 }
@@ -55,16 +61,30 @@ pub(super) fn look(
     } else {
         vec![]
     };
-    let Nearest { pairs, radius, rough, .. } = found;
+    let Nearest { pairs, mut radius, mut rough, .. } = found;
+    let distance = |place: c64| (place - centre).norm();
+    let hides = radius < wish.radius
+        && pairs.first().is_some_and(|pair| {
+            rough.first().is_none_or(|&next| distance(pair.eigenvalue) < HIDING * distance(next))
+        });
     let errors = bounds_of(shifted, &pairs, &left);
     let modes = pairs.into_iter().zip(errors).map(|(pair, bound)| {
         let backward = backward(shifted.problem, &pair);
         Mode { eigenvalue: pair.eigenvalue, vector: pair.vector, backward, bound }
     });
-    let modes = fold(centre, radius, modes.collect());
-    let nearest = rough.first().map_or(0.0, |place| (place - centre).norm());
+    let (modes, wrong): (Vec<Mode>, Vec<Mode>) =
+        modes.partition(|mode: &Mode| mode.backward <= BACKWARD);
+    if let Some(first) = wrong.first() {
+        let below = modes.iter().map(|mode| distance(mode.eigenvalue));
+        let end = radius.min(distance(first.eigenvalue));
+        radius = below.filter(|&away| away < end).fold(0.0, f64::max);
+        rough.extend(wrong.iter().map(|mode| mode.eigenvalue));
+        rough.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+    }
+    let modes = fold(centre, radius, modes);
+    let nearest = rough.first().map_or(0.0, |&place| distance(place));
     let empty = radius.max(0.5 * nearest);
-    Ok(Disc { centre, radius, empty, modes, rough, solves })
+    Ok(Disc { centre, radius, empty, modes, rough, hides, solves })
 }
 
 /// The backward error of a pair.

@@ -48,7 +48,8 @@ impl Merged {
                 Some(same) if part_outside(&mode.vector, vectors) <= OUTSIDE => {
                     let known = &mut self.modes[same];
                     known.disc = self.discs;
-                    if nearness < known.nearness {
+                    // Of several, one alone would not keep the span.
+                    if nearness < known.nearness && near.len() == 1 {
                         (known.mode, known.nearness) = (mode, nearness);
                     }
                 }

@@ -15,7 +15,9 @@ use faer::c64;
 const SECOND: u64 = 1 << 32;
 /// A chosen shift is so far from a rough place of an eigenvalue, relative to the distance of the shift that showed it.
 const ASIDE: f64 = 0.02;
-/// A shift at which P is singular is moved by this part of the wanted radius.
+/// The part of the diagonal of the rectangle within which no second shift is placed.
+const CLOSEST: f64 = 1e-6;
+/// A shift at which P is singular, or which hides eigenvalues, is moved by this part of the wanted radius.
 const STEP: f64 = 1e-3;
 
 /// Looks for all eigenvalues in a rectangle.
@@ -51,8 +53,8 @@ pub fn eigenvalues(
     Ok(collected(rectangle, discs))
 }
 
-/// Looks once more with the same shifts for eigenvalues that were missed: from other start vectors, orthogonal to what is
-/// known.
+/// Looks again with the same shifts for eigenvalues that were missed: from other start vectors, orthogonal to what is known,
+/// until a look shows no new ones.
 ///
 /// # Errors
 /// Returns an error if the work has been ended, or if P(λ) cannot be factorised.
@@ -64,34 +66,17 @@ pub fn eigenvalues_again(
 ) -> Result<Eigenvalues, Error> {
     let analysis = Analysis::new(problem)?;
     let search = Search { problem, analysis: &analysis, options, watch };
-    let count = found.trusted.len();
-    let known = |number: usize| {
-        let Trusted { centre, radius } = found.trusted[number];
-        found.modes.iter().filter(move |mode| (mode.eigenvalue - centre).norm() <= radius)
-    };
-    let look = |number: usize| {
-        let Trusted { centre, radius } = found.trusted[number];
-        let pairs: Vec<Pair> = known(number)
-            .map(|mode| Pair { eigenvalue: mode.eigenvalue, vector: mode.vector.clone() })
-            .collect();
-        search.look(centre, radius, SECOND, &pairs)
-    };
-    let seen =
-        parallel::collect(count, &look, &|done| (watch.progress)(done as f64 / count as f64))?;
-    // A new disc may be smaller than the old one.
-    let old = (0..count).map(|number| {
-        let Trusted { centre, radius } = found.trusted[number];
-        let modes = known(number).cloned().collect();
-        Disc { centre, radius, empty: radius, modes, rough: vec![], solves: 0 }
-    });
-    let seen = collected(&found.rectangle, old.chain(seen).collect());
-    Ok(Eigenvalues {
-        rough: found.rough.clone(),
-        trusted: found.trusted.clone(),
-        factorizations: found.factorizations + count,
-        solves: found.solves + seen.solves,
-        ..seen
-    })
+    let mut all = found.clone();
+    let mut seed = SECOND;
+    loop {
+        let next = search.again(&all, seed)?;
+        let more = next.modes.len() > all.modes.len();
+        all = next;
+        if !more {
+            return Ok(all);
+        }
+        seed += SECOND;
+    }
 }
 
 /// The result of all discs.
@@ -162,22 +147,61 @@ impl Search<'_> {
         Ok(discs)
     }
 
+    /// Looks once more at all discs of a search. `seed` chooses the start vectors.
+    fn again(&self, found: &Eigenvalues, seed: u64) -> Result<Eigenvalues, Error> {
+        let count = found.trusted.len();
+        let known = |number: usize| {
+            let Trusted { centre, radius } = found.trusted[number];
+            found.modes.iter().filter(move |mode| (mode.eigenvalue - centre).norm() <= radius)
+        };
+        let look = |number: usize| {
+            let Trusted { centre, .. } = found.trusted[number];
+            let pairs: Vec<Pair> = known(number)
+                .map(|mode| Pair { eigenvalue: mode.eigenvalue, vector: mode.vector.clone() })
+                .collect();
+            self.look(centre, f64::INFINITY, seed, &pairs)
+        };
+        let progress = |done| (self.watch.progress)(done as f64 / count as f64);
+        let seen = parallel::collect(count, &look, &progress)?;
+        // A new disc may be smaller than the old one.
+        let old = (0..count).map(|number| {
+            let Trusted { centre, radius } = found.trusted[number];
+            let modes = known(number).cloned().collect();
+            Disc { centre, radius, empty: radius, modes, rough: vec![], hides: false, solves: 0 }
+        });
+        let seen = collected(&found.rectangle, old.chain(seen).collect());
+        Ok(Eigenvalues {
+            rough: found.rough.clone(),
+            trusted: found.trusted.clone(),
+            factorizations: found.factorizations + count,
+            solves: found.solves + seen.solves,
+            ..seen
+        })
+    }
+
     /// Looks at the surroundings of a shift.
     fn look(&self, shift: c64, radius: f64, seed: u64, known: &[Pair]) -> Result<Disc, Error> {
         self.watch.check()?;
         let wish =
             Wish { transposed: false, radius, dimension: self.options.dimension, seed, known };
-        let mut error = None;
+        let mut result = None;
         for step in 0..4 {
             let away = if radius.is_finite() { radius } else { shift.norm().max(1.0) };
             let moved = shift + c64::from_polar(f64::from(step) * STEP * away, f64::from(step));
             let scale = moved.norm().max(if radius.is_finite() { radius } else { 0.0 });
             match Shifted::new(self.problem, self.analysis, moved, scale) {
-                Ok(shifted) => return disc::look(&shifted, &wish, self.options.bounds, self.watch),
-                Err(fault) => error = Some(fault),
+                Ok(shifted) => {
+                    let disc = disc::look(&shifted, &wish, self.options.bounds, self.watch)?;
+                    let hides = disc.hides;
+                    result = Some(Ok(disc));
+                    if !hides {
+                        break;
+                    }
+                }
+                Err(fault) => result = result.filter(Result::is_ok).or(Some(Err(fault))),
             }
         }
-        Err(error.expect("there was a step"))
+        result.expect("there was a step")
     }
 }
 
@@ -199,7 +223,11 @@ fn next(rectangle: &Rectangle, discs: &[Disc]) -> Vec<c64> {
     // A place, and its distance from the disc's centre and the disc's radius.
     let mut places: Vec<(c64, f64, f64)> = rough(discs)
         .into_iter()
-        .filter(|(place, _)| rectangle.contains(*place))
+        .filter(|&(place, _)| {
+            let closest = CLOSEST * rectangle.sides().into_iter().fold(0.0, f64::hypot);
+            rectangle.contains(place)
+                && discs.iter().all(|disc| (place - disc.centre).norm() > closest)
+        })
         .map(|(place, number)| {
             let disc = &discs[number];
             (place, (place - disc.centre).norm(), disc.empty)
