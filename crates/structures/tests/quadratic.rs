@@ -468,24 +468,19 @@ fn a_rectangle_smaller_than_the_rounding_of_its_eigenvalues_is_not_shown() {
 fn each_hidden_eigenvalue_of_a_damped_grid_is_counted() {
     // The phase turns often along the edges, since most eigenvalues are far outside.
     let (a, b) = (40, 31);
-    let index = |x: usize, y: usize| x * b + y;
-    let mut entries = vec![];
-    for x in 0..a {
-        for y in 0..b {
-            entries.push((index(x, y), index(x, y), 4e6));
-            if x > 0 {
-                entries.push((index(x, y), index(x - 1, y), -1e6));
-                entries.push((index(x - 1, y), index(x, y), -1e6));
-            }
-            if y > 0 {
-                entries.push((index(x, y), index(x, y - 1), -1e6));
-                entries.push((index(x, y - 1), index(x, y), -1e6));
-            }
-        }
-    }
     let size = a * b;
     let identity =
         |factor| Sparse::from_entries(size, size, (0..size).map(|i| (i, i, factor))).unwrap();
+    let entries = (0..size).flat_map(|column| {
+        (0..size).filter_map(move |row| {
+            let ([x, y], [u, v]) = ([row / b, row % b], [column / b, column % b]);
+            match x.abs_diff(u) + y.abs_diff(v) {
+                0 => Some((row, column, 4e6)),
+                1 => Some((row, column, -1e6)),
+                _ => None,
+            }
+        })
+    });
     let k = Sparse::from_entries(size, size, entries).unwrap();
     let problem = Quadratic::new(identity(1.0), identity(2.0), k).unwrap();
     let values: Vec<c64> = chain_eigenvalues(a)
