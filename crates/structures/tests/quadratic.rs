@@ -374,6 +374,136 @@ fn given_shifts_are_used_and_show_what_is_near_them() {
     assert!(matches!(counted(&problem, &found).outcome, Outcome::Missing(_)));
 }
 
+/// Equal copies of a structure, side by side.
+fn copies(count: usize, one: &DMatrix<f64>) -> DMatrix<f64> {
+    DMatrix::identity(count, count).kronecker(one)
+}
+
+#[test]
+fn forty_equal_structures_have_all_their_modes_once() {
+    // One look at a Krylov space shows few of the vectors, and rounding leaves those of one eigenvalue almost parallel.
+    for count in [20, 40] {
+        let (k, identity) = (copies(count, &chain(3)), DMatrix::identity(3 * count, 3 * count));
+        let problem = problem(&identity, &(0.02 * &identity), &k);
+        let expected: Vec<c64> = chain_eigenvalues(3)
+            .flat_map(|k| std::iter::repeat_n(roots(0.02, k)[0], count))
+            .collect();
+        let rectangle = Rectangle::new([-1.0, 1.0], [0.0, 3.0]).unwrap();
+        let found = search(&problem, &rectangle, &Options::default());
+        let found = eigenvalues_again(&problem, &found, &Options::default(), Watch::IDLE).unwrap();
+        compare(&found, &expected, 1e-10);
+        assert_eq!(counted(&problem, &found).outcome, Outcome::Complete);
+    }
+}
+
+#[test]
+fn equal_oscillators_beside_a_chain_are_all_found() {
+    // One eigenvalue has nine vectors, its neighbours have one each.
+    let size = 300;
+    let mut k = DMatrix::zeros(size + 9, size + 9);
+    k.view_mut((0, 0), (size, size)).copy_from(&chain(size));
+    (size..size + 9).for_each(|row| k[(row, row)] = 0.25);
+    let identity = DMatrix::identity(size + 9, size + 9);
+    let problem = problem(&identity, &(0.01 * &identity), &k);
+    let own = [0.25; 9];
+    let expected: Vec<c64> =
+        chain_eigenvalues(size).chain(own).map(|k| roots(0.01, k)[0]).collect();
+    let rectangle = Rectangle::new([-0.1, 0.1], [0.4, 0.7]).unwrap();
+    let options = Options { dimension: 40, ..Options::default() };
+    let found = search(&problem, &rectangle, &options);
+    let found = eigenvalues_again(&problem, &found, &options, Watch::IDLE).unwrap();
+    compare(&found, &expected, 1e-10);
+    assert_eq!(counted(&problem, &found).outcome, Outcome::Complete);
+}
+
+#[test]
+fn a_centre_on_an_eigenvalue_hides_no_others() {
+    // Rounding relative to the largest value of the operator swallows all but the eigenvalue next to the shift.
+    let size = 60;
+    let (identity, zeros) = (DMatrix::identity(size, size), DMatrix::zeros(size, size));
+    let problem = problem(&identity, &zeros, &chain(size));
+    let expected: Vec<c64> = chain_eigenvalues(size).map(|k| c64::new(0.0, k.sqrt())).collect();
+    for offset in [0.0, 1e-16, 1e-12, 1e-8] {
+        let centre = expected[20].im + offset;
+        let rectangle = Rectangle::new([-0.1, 0.1], [centre - 0.3, centre + 0.3]).unwrap();
+        let found = search(&problem, &rectangle, &Options::default());
+        compare(&found, &expected, 1e-12);
+        assert_eq!(counted(&problem, &found).outcome, Outcome::Complete, "{offset}");
+    }
+}
+
+#[test]
+fn pairs_that_are_no_solutions_are_not_listed_and_the_count_ends() {
+    // Strong one-way coupling: rounding of the matrices moves eigenvalues by more than their distances.
+    for size in [15, 20, 30] {
+        let k = DMatrix::from_fn(size, size, |row, column| match column.cmp(&row) {
+            std::cmp::Ordering::Less => 0.0,
+            std::cmp::Ordering::Equal => 100.0 + row as f64,
+            std::cmp::Ordering::Greater => 1e3,
+        });
+        let turn: DMatrix<f64> = random(size, 5) + 3.0 * DMatrix::identity(size, size);
+        let back: DMatrix<f64> = turn.clone().try_inverse().unwrap();
+        let k = &turn * k * back;
+        let identity = DMatrix::identity(size, size);
+        let problem = problem(&identity, &(0.2 * &identity), &k);
+        let rectangle = Rectangle::new([-1.0, 1.1], [9.0, 12.0]).unwrap();
+        let found = eigenvalues(&problem, &rectangle, &Options::default(), Watch::IDLE).unwrap();
+        assert!(found.modes.iter().all(|mode| mode.backward <= 1e-10));
+        assert!(counted(&problem, &found).factorizations < 4000);
+    }
+}
+
+#[test]
+fn a_rectangle_smaller_than_the_rounding_of_its_eigenvalues_is_not_shown() {
+    // Two masses on a spring of 1e12 N/m that is held nowhere: λ = 0 twice, moved by rounding as far as 1e-2 1/s.
+    let k: DMatrix<f64> = 1e12 * DMatrix::from_row_slice(2, 2, &[1.0, -1.0, -1.0, 1.0]) / 3.0;
+    let identity = DMatrix::identity(2, 2);
+    let problem = problem(&identity, &DMatrix::zeros(2, 2), &k);
+    let rectangle = Rectangle::new([-0.9e-3, 1.1e-3], [0.0, 1e-3]).unwrap();
+    let count = count(&problem, &rectangle, &[], &[], Watch::IDLE).unwrap();
+    assert!(matches!(count.outcome, Outcome::NotShown(_)), "{count:?}");
+}
+
+#[test]
+fn each_hidden_eigenvalue_of_a_damped_grid_is_counted() {
+    // The phase turns often along the edges, since most eigenvalues are far outside.
+    let (a, b) = (40, 31);
+    let size = a * b;
+    let identity =
+        |factor| Sparse::from_entries(size, size, (0..size).map(|i| (i, i, factor))).unwrap();
+    let entries = (0..size).flat_map(|column| {
+        (0..size).filter_map(move |row| {
+            let ([x, y], [u, v]) = ([row / b, row % b], [column / b, column % b]);
+            match x.abs_diff(u) + y.abs_diff(v) {
+                0 => Some((row, column, 4e6)),
+                1 => Some((row, column, -1e6)),
+                _ => None,
+            }
+        })
+    });
+    let k = Sparse::from_entries(size, size, entries).unwrap();
+    let problem = Quadratic::new(identity(1.0), identity(2.0), k).unwrap();
+    let values: Vec<c64> = chain_eigenvalues(a)
+        .flat_map(|x| chain_eigenvalues(b).map(move |y| roots(2.0, 1e6 * (x + y))[0]))
+        .collect();
+    for (real, imaginary) in [([-60.0, 70.0], [0.0, 280.0]), ([-20.0, 20.0], [200.0, 400.0])] {
+        let rectangle = Rectangle::new(real, imaginary).unwrap();
+        let near: Vec<c64> = values.iter().copied().filter(|value| value.im < 500.0).collect();
+        let factor = if imaginary[0] == 0.0 { 2 } else { 1 };
+        let inside: Vec<usize> =
+            (0..near.len()).filter(|&number| rectangle.contains(near[number])).collect();
+        assert!(inside.len() > 4);
+        let outcome =
+            |list: &[c64]| count(&problem, &rectangle, list, &[], Watch::IDLE).unwrap().outcome;
+        assert_eq!(outcome(&near), Outcome::Complete);
+        for &hidden in inside.iter().step_by(3) {
+            let mut list = near.clone();
+            list.remove(hidden);
+            assert_eq!(outcome(&list), Outcome::Missing(factor), "{}", near[hidden]);
+        }
+    }
+}
+
 #[test]
 fn an_ended_search_and_count_say_so() {
     let (problem, _) = twins(30);

@@ -127,16 +127,16 @@ pub(super) fn nearest(shifted: &Shifted, wish: &Wish, watch: Watch) -> Result<Ne
             }
         }
         let last = columns == most || closed;
-        if last || (columns >= check && couple > 0.0) {
+        if last || (wish.radius.is_finite() && columns >= check && couple > 0.0) {
             check = columns + 10.max((columns - known) / 4);
             let whole = columns == rows || closed && columns < most;
             // The whole space is left by nothing.
             let couple = if whole { 0.0 } else { couple };
             let Ritz { mut converged, radius, rough } =
                 ritz(&space, shifted.shift, columns, couple)?;
-            let radius = if whole { f64::INFINITY } else { radius };
+            let radius = if whole && rough.is_empty() { f64::INFINITY } else { radius };
             if last || radius >= wish.radius {
-                space.separate(shifted.shift, columns, &mut converged);
+                space.separate(shifted.shift, columns, couple, &mut converged);
                 let pairs = space.pairs(shifted.problem.size(), columns, &converged);
                 return Ok(Nearest { pairs, radius, rough, solves });
             }
@@ -235,8 +235,9 @@ impl Space {
     }
 
     /// Replaces the vectors of equal Ritz values, which rounding leaves in any and even almost parallel directions, by
-    /// orthonormal ones: the smallest singular vectors of H − θ. Those of defective values stay, since there are not as many.
-    fn separate(&self, shift: c64, columns: usize, ritz: &mut [(c64, Vec<c64>)]) {
+    /// orthonormal ones: the smallest singular vectors of H − θ. Vectors whose residual is too large are left out. Those of
+    /// defective values stay, since there are not as many.
+    fn separate(&self, shift: c64, columns: usize, couple: f64, ritz: &mut Vec<(c64, Vec<c64>)>) {
         let mut done = vec![false; ritz.len()];
         for first in 0..ritz.len() {
             let place = ritz[first].0;
@@ -259,9 +260,14 @@ impl Space {
                 continue;
             }
             for (offset, &other) in same.iter().enumerate() {
-                ritz[other].1 = parts.V().col(smallest + offset).iter().copied().collect();
+                let vector = parts.V().col(smallest + offset);
+                let inside = parts.S().column_vector()[smallest + offset].norm();
+                let residual = inside.hypot(couple * vector[columns - 1].norm());
+                let small = residual <= ROUNDED * value.norm();
+                ritz[other].1 = if small { vector.iter().copied().collect() } else { vec![] };
             }
         }
+        ritz.retain(|(_, vector)| !vector.is_empty());
     }
 
     /// The pairs of Ritz values: of the two halves of z, which are parallel, the longer one.

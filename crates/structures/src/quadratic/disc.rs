@@ -12,9 +12,11 @@ use faer::{Mat, c64};
 /// That of a defective pair is the root of the rounding, and more for bad conditions.
 const NEAR: f64 = 1e-5;
 /// A pair with a larger backward error is no mode.
-const BACKWARD: f64 = 1e-10;
+const BACKWARD: f64 = 1e-12;
 /// A shift that is nearer to an eigenvalue, relative to the distance of another, hides that other one by rounding.
 const HIDING: f64 = 1e-4;
+/// So does one that is nearer to an eigenvalue than this part of the wanted radius.
+const CLOSE: f64 = 1e-6;
 
 /// The view from one shift.
 #[derive(Clone)]
@@ -63,10 +65,12 @@ pub(super) fn look(
     };
     let Nearest { pairs, mut radius, mut rough, .. } = found;
     let distance = |place: c64| (place - centre).norm();
-    let hides = radius < wish.radius
-        && pairs.first().is_some_and(|pair| {
-            rough.first().is_none_or(|&next| distance(pair.eigenvalue) < HIDING * distance(next))
-        });
+    let hides = pairs.first().is_some_and(|pair| {
+        let away = distance(pair.eigenvalue);
+        let hidden = |&next: &c64| away < HIDING * distance(next);
+        wish.radius.is_finite() && away < CLOSE * wish.radius
+            || radius < wish.radius && rough.first().is_none_or(hidden)
+    });
     let errors = bounds_of(shifted, &pairs, &left);
     let modes = pairs.into_iter().zip(errors).map(|(pair, bound)| {
         let backward = backward(shifted.problem, &pair);

@@ -7,6 +7,8 @@ use faer::c64;
 
 /// The largest part of a unit vector outside the span of others that counts as an error of the vectors.
 const OUTSIDE: f64 = 1e-3;
+/// Eigenvalues nearer to each other than this part of the nearness are one of several vectors.
+const EQUAL: f64 = 1e-5;
 
 /// The modes of all shifts so far.
 ///
@@ -29,7 +31,7 @@ impl Merged {
     /// Takes in the modes of a disc.
     pub(super) fn add(&mut self, disc: Disc) {
         self.discs += 1;
-        for mode in disc.modes {
+        for mut mode in disc.modes {
             let nearness = nearness(disc.centre, mode.eigenvalue);
             let distance = |other: &Merging| (other.mode.eigenvalue - mode.eigenvalue).norm();
             let near: Vec<usize> = (0..self.modes.len())
@@ -44,8 +46,16 @@ impl Merged {
                 .filter(|&other| self.modes[other].disc != self.discs)
                 .min_by(|&a, &b| distance(&self.modes[a]).total_cmp(&distance(&self.modes[b])));
             let vectors = near.iter().map(|&other| &*self.modes[other].mode.vector);
+            let rest = part_outside(&mode.vector, vectors);
+            let length = norm(&rest);
+            let equal = !near.is_empty()
+                && near.iter().all(|&other| distance(&self.modes[other]) <= EQUAL * nearness);
+            if equal && length > OUTSIDE {
+                // Orthonormal vectors of one eigenvalue keep the errors of their span small.
+                mode.vector = rest.into_iter().map(|value| value / length).collect();
+            }
             match same {
-                Some(same) if part_outside(&mode.vector, vectors) <= OUTSIDE => {
+                Some(same) if length <= OUTSIDE => {
                     let known = &mut self.modes[same];
                     known.disc = self.discs;
                     // Of several, one alone would not keep the span.
@@ -69,8 +79,8 @@ impl Merged {
     }
 }
 
-/// The length of the part of a unit vector outside the span of other unit vectors.
-fn part_outside<'a>(vector: &[c64], others: impl Iterator<Item = &'a [c64]>) -> f64 {
+/// The part of a unit vector outside the span of other unit vectors.
+fn part_outside<'a>(vector: &[c64], others: impl Iterator<Item = &'a [c64]>) -> Vec<c64> {
     let mut basis: Vec<Vec<c64>> = vec![];
     let take_off = |basis: &[Vec<c64>], vector: &mut [c64]| {
         for direction in basis.iter().chain(basis) {
@@ -89,5 +99,5 @@ fn part_outside<'a>(vector: &[c64], others: impl Iterator<Item = &'a [c64]>) -> 
     }
     let mut rest = vector.to_vec();
     take_off(&basis, &mut rest);
-    norm(&rest)
+    rest
 }

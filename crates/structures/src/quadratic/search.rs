@@ -5,7 +5,7 @@ use super::arnoldi::{Pair, Wish};
 use super::disc::{self, Disc};
 use super::merge::Merged;
 use super::shifted::Shifted;
-use super::{Eigenvalues, Options, Quadratic, Rectangle, Trusted};
+use super::{Eigenvalues, Mode, Options, Quadratic, Rectangle, Trusted};
 use amontons::Error;
 use amontons_analysis::stability::parallel;
 use amontons_analysis::watch::Watch;
@@ -15,6 +15,8 @@ use faer::c64;
 const SECOND: u64 = 1 << 32;
 /// A chosen shift is so far from a rough place of an eigenvalue, relative to the distance of the shift that showed it.
 const ASIDE: f64 = 0.02;
+/// After as many generations of shifts without new modes, what is left of the rough places does not converge.
+const IDLE: usize = 5;
 /// The part of the diagonal of the rectangle within which no second shift is placed.
 const CLOSEST: f64 = 1e-6;
 /// A shift at which P is singular, or which hides eigenvalues, is moved by this part of the wanted radius.
@@ -128,7 +130,8 @@ impl Search<'_> {
         let whole = rectangle.enlarged();
         let mut shifts = vec![whole.centre()];
         let mut discs: Vec<Disc> = vec![];
-        while !shifts.is_empty() && discs.len() < self.options.most {
+        let mut idle = 0;
+        while !shifts.is_empty() && discs.len() < self.options.most && idle < IDLE {
             let before = covered(&whole, &discs);
             // All shifts of a generation are independent, so the result does not depend on the number of threads.
             let found = parallel::collect(
@@ -140,6 +143,15 @@ impl Search<'_> {
                 },
                 &|_| (self.watch.progress)(before),
             )?;
+            let new = |mode: &Mode| {
+                whole.contains(mode.eigenvalue)
+                    && !discs.iter().any(|disc| {
+                        (mode.eigenvalue - disc.centre).norm()
+                            <= disc.radius + disc::nearness(disc.centre, mode.eigenvalue)
+                    })
+            };
+            let more = found.iter().flat_map(|disc| &disc.modes).any(new);
+            idle = if more { 0 } else { idle + 1 };
             discs.extend(found);
             (self.watch.progress)(covered(&whole, &discs));
             shifts = next(&whole, &discs);
