@@ -1,8 +1,19 @@
 //! Reads sparse matrices that finite-element programs and numerical tools write.
 //!
 //! [`open`] reads a file. Each reader takes the bytes of a file, so that it can be tried without one. A fault in a file is an
-//! [`Error`] with the line or the offset, and the remedy; no content makes a reader panic, and none needs more memory than
-//! its entries do.
+//! [`Error`] with the line or the offset, and the remedy. No content makes a reader panic, and its memory is bounded by the size of
+//! the file, of which packed parts may unpack to 64 times as much and 32 MiB.
+//!
+//! ```
+//! use amontons_matrices::matrix_market;
+//!
+//! let file = "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 2.0\n2 1 -1.0\n2 2 1D0\n";
+//! let matrix = matrix_market::read(file.as_bytes())?;
+//! // Both triangles, by columns.
+//! let values: Vec<f64> = matrix.entries.iter().map(|entry| entry.value).collect();
+//! assert_eq!(values, [2.0, -1.0, -1.0, 1.0]);
+//! # Ok::<(), amontons_matrices::Fault>(())
+//! ```
 
 pub mod abaqus;
 mod abaqus_elements;

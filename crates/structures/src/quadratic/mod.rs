@@ -1,4 +1,21 @@
 //! Complex eigenvalues of quadratic problems, all in a rectangle.
+//!
+//! ```
+//! use amontons_analysis::watch::Watch;
+//! use amontons_structures::quadratic::{Options, Outcome, Rectangle, count, eigenvalues};
+//! use amontons_structures::{Quadratic, Sparse};
+//!
+//! // ẍ + 0.2 ẋ + 4 x = 0 has λ = −0.1 ± i √3.99.
+//! let one = |value| Sparse::from_entries(1, 1, [(0, 0, value)]);
+//! let problem = Quadratic::new(one(1.0)?, one(0.2)?, one(4.0)?)?;
+//! let rectangle = Rectangle::new([-1.0, 1.0], [0.5, 3.0])?;
+//! let found = eigenvalues(&problem, &rectangle, &Options::default(), Watch::IDLE)?;
+//! let mode = found.inside().next().expect("there is one");
+//! assert!((mode.eigenvalue.im - 3.99_f64.sqrt()).abs() < 1e-14);
+//! let count = count(&problem, &rectangle, &found.found(), &found.rough, Watch::IDLE)?;
+//! assert_eq!(count.outcome, Outcome::Complete);
+//! # Ok::<(), amontons::Error>(())
+//! ```
 
 mod analysis;
 mod arnoldi;

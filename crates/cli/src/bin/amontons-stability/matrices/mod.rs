@@ -13,7 +13,7 @@ use amontons_cli::progress::Progress;
 use amontons_pictures::picture;
 use amontons_structures::family::{Family, Follower};
 use amontons_structures::quadratic::{
-    Mode, Options, Outcome, Rectangle, count, eigenvalues, eigenvalues_again,
+    Eigenvalues, Mode, Options, Outcome, Rectangle, count, eigenvalues, eigenvalues_again,
 };
 use found::{Found, Value};
 use std::f64::consts::TAU;
@@ -22,8 +22,6 @@ use std::time::{Duration, Instant};
 
 /// The share of the work at one value that the search takes.
 const SEARCH: f64 = 0.5;
-/// Searches while modes are missing.
-const TRIALS: usize = 3;
 
 pub fn run(arguments: &Matrices, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
@@ -46,19 +44,19 @@ pub fn run(arguments: &Matrices, out: &mut dyn Write) -> Result<(), Failure> {
         let begun = Instant::now();
         let mut found = eigenvalues(&problem, &rectangle, &options, watch_search)?;
         searched.add(begun, found.factorizations);
-        let mut trials = 0;
-        let count = loop {
+        let mut counting = |found: &Eigenvalues| {
             let begun = Instant::now();
             let count = count(&problem, &rectangle, &found.found(), &found.rough, watch_count)?;
             counted.add(begun, count.factorizations);
-            trials += 1;
-            if trials == TRIALS || !matches!(count.outcome, Outcome::Missing(_)) {
-                break count;
-            }
+            Ok::<_, Failure>(count)
+        };
+        let mut count = counting(&found)?;
+        if matches!(count.outcome, Outcome::Missing(_)) {
             let begun = Instant::now();
             found = eigenvalues_again(&problem, &found, &options, watch_search)?;
             searched.add(begun, found.factorizations);
-        };
+            count = counting(&found)?;
+        }
         let modes: Vec<Mode> = found.inside().cloned().collect();
         let value = family.parameter().map(|parameter| parameter.values[place]);
         let value = Value::new(value, &modes, &count);
