@@ -106,4 +106,5 @@ struct Determinant {
 }
 
 #[cfg(test)]
+#[cfg(test)]
 mod tests;
