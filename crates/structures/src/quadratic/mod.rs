@@ -106,5 +106,4 @@ struct Determinant {
 }
 
 #[cfg(test)]
-#[cfg(test)]
 mod tests;
