@@ -45,7 +45,10 @@ const PACKAGES: [(&str, &[&str]); 5] = [
             "study",
         ],
     ),
-    ("crates/structures/src", &["random", "sparse", "symmetric", "quadratic", "family"]),
+    (
+        "crates/structures/src",
+        &["random", "dissection", "sparse", "symmetric", "quadratic", "family"],
+    ),
     ("crates/pictures/src", &["picture", "report"]),
     ("crates/export/src", &["scene", "feedthrough", "package", "documentation"]),
 ];

@@ -5,6 +5,7 @@
 //! | module | contents |
 //! | --- | --- |
 //! | `random` | start vectors |
+//! | `dissection` | orders of elimination |
 //! | `sparse` | sparse matrices by columns |
 //! | [`symmetric`] | undamped structures: modes with bounds, superelements with a certificate |
 //! | [`quadratic`] | complex eigenvalues in a rectangle, and a count that shows that none is missing |
@@ -12,6 +13,7 @@
 //!
 //! Quantities have the units of the matrices. Where a frequency is told in Hz, the unit of time of the matrices is a second.
 
+mod dissection;
 pub mod family;
 pub mod quadratic;
 mod random;

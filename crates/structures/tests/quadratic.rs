@@ -159,6 +159,22 @@ fn overdamped_modes_are_real_and_each_is_counted_once() {
 }
 
 #[test]
+fn real_eigenvalues_beside_the_first_disc_are_looked_for() {
+    let size = 200;
+    let identity = DMatrix::identity(size, size);
+    // The 6 lowest modes are overdamped.
+    let problem = problem(&identity, &(0.2 * &identity), &chain(size));
+    let expected: Vec<c64> = chain_eigenvalues(size).flat_map(|k| roots(0.2, k)).collect();
+    for high in [0.2, 0.3, 0.4, 0.6, 1.0] {
+        let rectangle = Rectangle::new([-0.3, 0.1], [0.0, high]).unwrap();
+        let found = search(&problem, &rectangle, &Options { dimension: 40, ..Options::default() });
+        compare(&found, &expected, 1e-9);
+        assert_eq!(found.inside().filter(|mode| mode.eigenvalue.im == 0.0).count(), 12);
+        assert_eq!(counted(&problem, &found).outcome, Outcome::Complete);
+    }
+}
+
+#[test]
 fn a_singular_mass_matrix_leaves_the_finite_eigenvalues() {
     // λ² m + k of the free masses; the massless ones pass forces on: springs in series.
     let size = 30;

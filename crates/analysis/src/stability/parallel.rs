@@ -30,7 +30,12 @@ pub fn is_on_this_thread() -> bool {
 }
 
 /// `work(i)` for i below `count`, on all cores, in the order of i; `done` hears how many are done.
-/// After an error no new piece is begun; of several the first in the order of i is given.
+///
+/// # Errors
+/// Returns the first error in the order of i. After an error no new piece is begun.
+///
+/// # Panics
+/// Panics if a piece of work does.
 pub fn collect<T: Send + Clone>(
     count: usize,
     work: &(dyn Fn(usize) -> Result<T, Error> + Sync),

@@ -1,8 +1,10 @@
 //! The symbolic part of the factorisation of P(λ), done once for all λ.
 
 use super::Quadratic;
+use crate::dissection;
 use amontons::Error;
 use faer::Side;
+use faer::perm::PermRef;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
@@ -38,6 +40,12 @@ impl Supernode {
         self.offset + (self.width() + self.below.len()) * self.width()
     }
 
+    /// The number of multiplications of its elimination.
+    fn operations(&self) -> f64 {
+        let (width, below) = (self.width() as f64, self.below.len() as f64);
+        width * (width * width / 3.0 + width * below + below * below)
+    }
+
     /// The place behind its values.
     fn end(&self) -> usize {
         self.right() + self.width() * self.below.len()
@@ -56,8 +64,6 @@ pub(super) struct Term {
 }
 
 /// The order of elimination and the pattern of the factors of P(λ).
-///
-/// The order is that of the approximate minimum degree on the pattern of P + Pᵀ.
 #[derive(Debug)]
 pub(super) struct Analysis {
     /// The original index of each place in the order of elimination.
@@ -148,7 +154,8 @@ fn union(problem: &Quadratic) -> Vec<(usize, usize, [f64; 3])> {
     entries
 }
 
-/// The order of elimination and the supernodes of the pattern of P + Pᵀ.
+/// The order of elimination and the supernodes of the pattern of P + Pᵀ: of the minimum degree and nested dissection the
+/// one with fewer operations.
 fn supernodes(
     size: usize,
     union: &[(usize, usize, [f64; 3])],
@@ -168,8 +175,25 @@ fn supernodes(
         starts[column + 1] += starts[column];
     }
     let rows: Vec<usize> = pairs.iter().map(|pair| pair.1).collect();
-    drop(pairs);
     let upper = SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows);
+    pairs.retain(|(column, row)| column != row);
+    let order = dissection::order(size, &pairs);
+    let mut inverse = vec![0; size];
+    order.iter().enumerate().for_each(|(new, &old)| inverse[old] = new);
+    let dissected = PermRef::new_checked(&order, &inverse, size);
+    let first = symbolic(upper, SymmetricOrdering::Amd)?;
+    let second = symbolic(upper, SymmetricOrdering::Custom(dissected))?;
+    let operations = |(_, supernodes): &(Vec<usize>, Vec<Supernode>)| -> f64 {
+        supernodes.iter().map(Supernode::operations).sum()
+    };
+    Ok(if operations(&second) < operations(&first) { second } else { first })
+}
+
+/// The supernodes of a pattern, given by its upper triangle, in an order of elimination.
+fn symbolic(
+    upper: SymbolicSparseColMatRef<'_, usize>,
+    ordering: SymmetricOrdering<'_, usize>,
+) -> Result<(Vec<usize>, Vec<Supernode>), Error> {
     let parameters = CholeskySymbolicParams {
         // Less than any ratio, also that of a diagonal matrix, which is 0.
         supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
@@ -177,16 +201,15 @@ fn supernodes(
         ..Default::default()
     };
     let symbolic =
-        factorize_symbolic_cholesky(upper, Side::Upper, SymmetricOrdering::Amd, parameters)
-            .map_err(|error| {
-                Error::analysis(format!("the pattern of the matrices cannot be analysed: {error}"))
-            })?;
+        factorize_symbolic_cholesky(upper, Side::Upper, ordering, parameters).map_err(|error| {
+            Error::analysis(format!("the pattern of the matrices cannot be analysed: {error}"))
+        })?;
     let SymbolicCholeskyRaw::Supernodal(factors) = symbolic.raw() else {
         unreachable!("the supernodal form was asked for")
     };
     let order = match symbolic.perm() {
         Some(permutation) => permutation.arrays().0.to_vec(),
-        None => (0..size).collect(),
+        None => (0..upper.ncols()).collect(),
     };
     let supernodes = (0..factors.n_supernodes())
         .map(|number| {

@@ -18,6 +18,9 @@ const HIDING: f64 = 1e-4;
 /// So does one that is nearer to an eigenvalue than this part of the wanted radius.
 const CLOSE: f64 = 1e-6;
 
+/// The rounding of a distance from a shift, relative to it.
+const ROUNDING: f64 = 1e-8;
+
 /// The view from one shift.
 #[derive(Clone)]
 pub(super) struct Disc {
@@ -85,7 +88,7 @@ pub(super) fn look(
         rough.extend(wrong.iter().map(|mode| mode.eigenvalue));
         rough.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)));
     }
-    let modes = fold(centre, radius, modes);
+    let (modes, radius) = fold(centre, radius, modes);
     let nearest = rough.first().map_or(0.0, |&place| distance(place));
     let empty = radius.max(0.5 * nearest);
     Ok(Disc { centre, radius, empty, modes, rough, hides, solves })
@@ -133,8 +136,9 @@ fn bound(problem: &Quadratic, right: &[&Pair], left: &[&Pair]) -> f64 {
 }
 
 /// Leaves out the lower one of each pair of conjugates and makes the others real that are next to the real axis: since the
-/// matrices are real, an eigenvalue without a conjugate is real.
-fn fold(centre: c64, radius: f64, modes: Vec<Mode>) -> Vec<Mode> {
+/// matrices are real, an eigenvalue without a conjugate is real. The radius becomes smaller if a conjugate can be just outside
+/// it.
+fn fold(centre: c64, radius: f64, modes: Vec<Mode>) -> (Vec<Mode>, f64) {
     let eigenvalues: Vec<c64> = modes.iter().map(|mode| mode.eigenvalue).collect();
     let away = |value: c64| nearness(centre, value);
     let mut lower = vec![false; modes.len()];
@@ -153,11 +157,11 @@ fn fold(centre: c64, radius: f64, modes: Vec<Mode>) -> Vec<Mode> {
         }
     }
     let mut folded = vec![];
+    let mut trusted = radius;
     for (number, mut mode) in modes.into_iter().enumerate() {
         if !upper[number] && !lower[number] {
-            // Its conjugate may be just outside the disc.
-            if (mode.eigenvalue.conj() - centre).norm() > radius {
-                continue;
+            if (mode.eigenvalue.conj() - centre).norm() > radius * (1.0 + ROUNDING) {
+                trusted = trusted.min((1.0 - NEAR) * (mode.eigenvalue - centre).norm());
             }
             mode.eigenvalue.im = 0.0;
         }
@@ -165,5 +169,6 @@ fn fold(centre: c64, radius: f64, modes: Vec<Mode>) -> Vec<Mode> {
             folded.push(mode);
         }
     }
-    folded
+    folded.retain(|mode| (mode.eigenvalue - centre).norm() <= trusted * (1.0 + ROUNDING));
+    (folded, trusted)
 }

@@ -15,6 +15,8 @@ use faer::c64;
 const SECOND: u64 = 1 << 32;
 /// A chosen shift is so far from a rough place of an eigenvalue, relative to the distance of the shift that showed it.
 const ASIDE: f64 = 0.02;
+/// A rough place counts as real if its imaginary part is as small, relative to its distance from the shift.
+const ROUGH: f64 = 0.01;
 /// After as many generations of shifts without new modes, what is left of the rough places does not converge.
 const IDLE: usize = 5;
 /// The part of the diagonal of the rectangle within which no second shift is placed.
@@ -98,18 +100,21 @@ fn collected(rectangle: &Rectangle, discs: Vec<Disc>) -> Eigenvalues {
     Eigenvalues { modes, rectangle: *rectangle, edges, rough, trusted, factorizations, solves }
 }
 
-/// Rough places of eigenvalues above the real axis and outside the discs, each from the shift that is nearest to it, with the
+/// Rough places of eigenvalues, not below the real axis, outside the discs, each from the shift that is nearest to it, with the
 /// number of its disc.
 fn rough(discs: &[Disc]) -> Vec<(c64, usize)> {
     let mut places = vec![];
     for (number, disc) in discs.iter().enumerate() {
         for &place in &disc.rough {
+            // Rough places of real ones are on both sides of the axis.
+            let real = place.im.abs() <= ROUGH * (place - disc.centre).norm();
+            let place = if real { c64::new(place.re, 0.0) } else { place };
             let distance = (place - disc.centre).norm();
             let other = |other: &Disc| {
                 let away = (place - other.centre).norm();
                 away < distance || away <= other.empty
             };
-            if place.im > 0.0 && !discs.iter().any(other) {
+            if place.im >= 0.0 && !discs.iter().any(other) {
                 places.push((place, number));
             }
         }
