@@ -6,15 +6,38 @@ use std::collections::{BTreeSet, HashMap};
 /// Gives matrices whose files name the degrees of freedom of their rows the same rows in the same order: those of all.
 ///
 /// Abaqus and Nastran write only rows that have entries, so a mass matrix can have fewer of them than a stiffness matrix.
-/// Matrices stay as they are if their rows agree already, or if one of the files does not name its rows.
-pub fn align(matrices: &mut [&mut Matrix]) {
-    let named: Option<Vec<&Vec<Freedom>>> =
-        matrices.iter().map(|matrix| matrix.freedoms.as_ref()).collect();
-    let Some(named) = named else { return };
-    if named.windows(2).all(|pair| pair[0] == pair[1]) {
-        return;
+/// Matrices without names stay as they are.
+///
+/// # Errors
+/// Returns a sentence if some files name their rows and others do not, since rows in one order may not be in the other's, or
+/// if no matrix has the rows of all others, so that they are of different models.
+pub fn align(matrices: &mut [&mut Matrix]) -> Result<(), String> {
+    let named: Vec<&Vec<Freedom>> =
+        matrices.iter().filter_map(|matrix| matrix.freedoms.as_ref()).collect();
+    if named.is_empty()
+        || named.len() == matrices.len() && named.windows(2).all(|pair| pair[0] == pair[1])
+    {
+        return Ok(());
     }
-    let all: BTreeSet<Freedom> = named.into_iter().flatten().copied().collect();
+    if named.len() < matrices.len() {
+        return Err(format!(
+            "{} of {} files name the nodes and directions of their rows and the others do not, so the order of rows may differ; \
+             give the others names with a table of freedoms",
+            named.len(),
+            matrices.len()
+        ));
+    }
+    let sets = named.iter().map(|freedoms| freedoms.iter().copied().collect::<BTreeSet<Freedom>>());
+    let sets: Vec<BTreeSet<Freedom>> = sets.collect();
+    let all: BTreeSet<Freedom> = sets.iter().flatten().copied().collect();
+    if let Some(largest) = sets.iter().max_by_key(|set| set.len())
+        && let Some(Freedom { node, direction }) = all.difference(largest).next()
+    {
+        return Err(format!(
+            "the matrices are of different models: none has the nodes and directions of all, for example direction {direction} of \
+             node {node} is not in the largest one"
+        ));
+    }
     let all: Vec<Freedom> = all.into_iter().collect();
     let place: HashMap<Freedom, usize> = all.iter().copied().zip(0..).collect();
     for matrix in matrices {
@@ -27,6 +50,7 @@ pub fn align(matrices: &mut [&mut Matrix]) {
         (matrix.rows, matrix.columns) = (all.len(), all.len());
         matrix.freedoms = Some(all.clone());
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -52,18 +76,30 @@ mod tests {
         let mut stiffness =
             matrix(&[(2, 1), (1, 3), (1, 1)], &[(0, 0, 2.0), (1, 0, 3.0), (2, 1, 4.0)]);
         let mut mass = matrix(&[(2, 1)], &[(0, 0, 7.0)]);
-        align(&mut [&mut stiffness, &mut mass]);
+        align(&mut [&mut stiffness, &mut mass]).unwrap();
         let all = [(1, 1), (1, 3), (2, 1)];
         assert_eq!(stiffness, matrix(&all, &[(0, 1, 4.0), (1, 2, 3.0), (2, 2, 2.0)]));
         assert_eq!(mass, matrix(&all, &[(2, 2, 7.0)]));
     }
 
+    /// The unnamed rows once got the names of the others in ascending order, whatever their own order was.
     #[test]
-    fn rows_without_names_stay() {
+    fn files_with_and_without_names_are_not_mixed() {
         let mut stiffness = matrix(&[(2, 1), (1, 1)], &[(0, 0, 2.0)]);
-        let mut mass = Matrix { freedoms: None, ..matrix(&[(2, 1)], &[(0, 0, 7.0)]) };
-        let before = (stiffness.clone(), mass.clone());
-        align(&mut [&mut stiffness, &mut mass]);
-        assert_eq!((stiffness, mass), before);
+        let mut mass = Matrix { freedoms: None, ..stiffness.clone() };
+        let refused = align(&mut [&mut stiffness, &mut mass]).unwrap_err();
+        assert!(refused.starts_with("1 of 2 files name the nodes"), "{refused}");
+        stiffness.freedoms = None;
+        let before = stiffness.clone();
+        align(&mut [&mut stiffness, &mut mass]).unwrap();
+        assert_eq!(stiffness, before);
+    }
+
+    #[test]
+    fn matrices_of_different_models_are_refused() {
+        let mut stiffness = matrix(&[(2, 1), (1, 1)], &[]);
+        let mut mass = matrix(&[(2, 1), (3, 1)], &[]);
+        let refused = align(&mut [&mut stiffness, &mut mass]).unwrap_err();
+        assert!(refused.contains("of different models"), "{refused}");
     }
 }

@@ -1,6 +1,6 @@
 //! Tables of the degrees of freedom that the rows of a matrix stand for, as CSV.
 
-use crate::{Error, Fault, Freedom};
+use crate::{Error, Fault, Freedom, Matrix};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -19,6 +19,23 @@ pub fn read_freedoms(path: &Path) -> Result<Vec<Freedom>, Error> {
         Error::new(path, Fault::whole(format!("cannot read the table: {error}")))
     })?;
     parse(&text).map_err(|fault| Error::new(path, fault))
+}
+
+/// Names the rows of a matrix by the table that was read from this path.
+///
+/// # Errors
+/// Returns an error if the table has not one line for each row.
+pub fn name_rows(matrix: &mut Matrix, freedoms: &[Freedom], path: &Path) -> Result<(), Error> {
+    let count = freedoms.len();
+    if [matrix.rows, matrix.columns] != [count; 2] {
+        let message = format!(
+            "the table names {count} rows, and a matrix has {} rows and {} columns; name each row once",
+            matrix.rows, matrix.columns
+        );
+        return Err(Error::new(path, Fault::whole(message)));
+    }
+    matrix.freedoms = Some(freedoms.to_vec());
+    Ok(())
 }
 
 fn parse(text: &str) -> Result<Vec<Freedom>, Fault> {

@@ -44,7 +44,7 @@ mod write;
 
 pub use align::align;
 pub use error::{Error, Fault, Place};
-pub use freedoms::{read_freedoms, write_freedoms};
+pub use freedoms::{name_rows, read_freedoms, write_freedoms};
 pub use matrix::{Entry, Freedom, Matrix, Symmetry};
 pub use open::{Location, open};
 pub use write::{write_matrix_market, write_npy};

@@ -60,7 +60,7 @@ impl Matrix {
     /// # Errors
     /// Returns a fault if their number is not that of rows and columns, or two are the
     /// same.
-    pub fn with_freedoms(mut self, freedoms: Vec<Freedom>) -> Result<Self, Fault> {
+    pub(crate) fn with_freedoms(mut self, freedoms: Vec<Freedom>) -> Result<Self, Fault> {
         let count = freedoms.len();
         if self.rows != count || self.columns != count {
             return Err(Fault::whole(format!(

@@ -65,11 +65,11 @@ pub fn open(location: &Location) -> Result<Matrix, Error> {
         }
         "mat" => mat::File::new(content).and_then(|file| file.read(choose(file.names(), name)?)),
         "sti" | "mas" => {
-            let freedoms = companion(path, ["dof", "DOF"], calculix::freedoms)?;
-            calculix::read(content).and_then(|matrix| match freedoms {
-                Some(freedoms) => matrix.with_freedoms(freedoms),
-                None => Ok(matrix),
-            })
+            let Some(freedoms) = companion(path, ["dof", "DOF"], calculix::freedoms)? else {
+                let message = "the file with the nodes and directions of the rows is not there: the same name with .dof; copy it beside";
+                return Err(Error::new(path, Fault::whole(message)));
+            };
+            calculix::read(content).and_then(|matrix| matrix.with_freedoms(freedoms))
         }
         "pch" | "dmig" | "bdf" => dmig::read(content).and_then(|matrices| pick(matrices, name)),
         "op4" => output4::read(content).and_then(|matrices| pick(matrices, name)),

@@ -119,7 +119,41 @@ fn wrong_requests_of_a_reduction_are_refused_before_the_work() {
     fs::write(folder.path().join("c.mtx"), "%%MatrixMarket matrix array real general\n1 1\n5\n")
         .unwrap();
     let also = ["--contacts", "1", "--also", "damping=c.mtx"];
-    refused(&[&frequency[..], &also].concat(), 2, &["--also damping has 1 rows and 1 columns"]);
+    refused(&[&frequency[..], &also].concat(), 2, &["2 of 3 files name the nodes"]);
+}
+
+/// The stiffness of the block in Matrix Market has no names of rows, and the mass has those of CalculiX: once the orders of rows
+/// were taken to be one, whatever they were.
+#[test]
+fn rows_with_and_without_names_are_not_mixed() {
+    let folder = folder();
+    let path = folder.path();
+    let mass = format!("{BLOCK}.mas");
+    fs::write(
+        path.join("k.mtx"),
+        "%%MatrixMarket matrix coordinate real general\n72 72 1\n1 1 1\n",
+    )
+    .unwrap();
+    let range = ["--growth=-1:1", "--frequency", "1:2"];
+    let files = ["--mass", &*mass, "--stiffness", "k.mtx"];
+    let output = matrices(path, &[&files[..], &range].concat());
+    assert_refused(&output, 2, &["1 of 2 files name the nodes and directions"]);
+    let rows: String = fs::read_to_string(format!("{BLOCK}.dof")).unwrap().replace('.', ",");
+    fs::write(path.join("rows.csv"), format!("node,direction\n{rows}")).unwrap();
+    let output = matrices(path, &[&files[..], &range, &["--freedoms", "rows.csv"]].concat());
+    assert!(!text(&output.stderr).contains("name the nodes"), "{}", text(&output.stderr));
+    fs::copy(&mass, path.join("alone.mas")).unwrap();
+    let files = ["--mass", "alone.mas", "--stiffness", "alone.mas"];
+    let output = matrices(path, &[&files[..], &range].concat());
+    assert_refused(&output, 1, &["alone.mas", "the same name with .dof; copy it beside"]);
+}
+
+#[test]
+fn a_superelement_does_not_replace_another_one() {
+    let folder = folder();
+    let nodes = ["--contacts", "1,4,9,12", "--frequency", "9000", "-o", "out"];
+    assert!(reduce(folder.path(), &nodes).status.success());
+    assert_refused(&reduce(folder.path(), &nodes), 2, &["out holds another superelement"]);
 }
 
 /// Without damping both modes merge at µ = (k₁₂ + (k₁₁ − k₂₂)²/(4 k₁₂))/k₃ = 1.2125. With C = α M one grows from where the

@@ -3,7 +3,7 @@
 use crate::quadratic::Quadratic;
 use crate::sparse::Sparse;
 use amontons::Error;
-use amontons_matrices::{Location, Matrix, align, open};
+use amontons_matrices::{Location, Matrix, align, name_rows, open, read_freedoms};
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct Family {
     parameter: Option<Parameter>,
+    /// A table that names the rows of files that do not name their own.
+    freedoms: Option<PathBuf>,
     parts: Vec<Part>,
 }
 
@@ -34,7 +36,10 @@ pub struct Parameter {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Description {
+    freedoms: Option<PathBuf>,
+    #[serde(default)]
     parameter: Option<Parameter>,
+    #[serde(default)]
     part: Vec<PartOfFile>,
 }
 
@@ -78,8 +83,14 @@ struct Part {
 
 impl Family {
     /// The structure of one mass matrix, one stiffness matrix and one damping matrix, or of several of each, which are added.
+    /// `freedoms` is a table that names the rows of files that do not name their own.
     #[must_use]
-    pub fn of_files(mass: &[Location], damping: &[Location], stiffness: &[Location]) -> Self {
+    pub fn of_files(
+        mass: &[Location],
+        damping: &[Location],
+        stiffness: &[Location],
+        freedoms: Option<PathBuf>,
+    ) -> Self {
         let kinds = [(Kind::Mass, mass), (Kind::Damping, damping), (Kind::Stiffness, stiffness)];
         let parts = kinds.into_iter().flat_map(|(kind, files)| {
             files.iter().map(move |file| Part {
@@ -89,7 +100,7 @@ impl Family {
                 power: 0.0,
             })
         });
-        Self { parameter: None, parts: parts.collect() }
+        Self { parameter: None, freedoms, parts: parts.collect() }
     }
 
     /// Reads a description; files in it are sought from its folder.
@@ -106,7 +117,7 @@ impl Family {
     }
 
     fn new(description: Description, folder: &Path) -> Result<Self, String> {
-        let Description { parameter, part } = description;
+        let Description { freedoms, parameter, part } = description;
         let count = parameter.as_ref().map_or(1, |parameter| parameter.values.len());
         if let Some(Parameter { name, reference, values, .. }) = &parameter {
             if values.is_empty() || !values.iter().all(|value| value.is_finite()) {
@@ -152,7 +163,7 @@ impl Family {
                 return Err(format!("no part has matrix = \"{name}\"; a structure needs one"));
             }
         }
-        Ok(Self { parameter, parts })
+        Ok(Self { parameter, freedoms: freedoms.map(|path| folder.join(path)), parts })
     }
 
     /// What the matrices depend on; `None` if on nothing.
@@ -238,7 +249,13 @@ impl Loaded<'_> {
             None => open(&part.files[place]),
         });
         let mut matrices = matrices.collect::<Result<Vec<Matrix>, _>>()?;
-        align(&mut matrices.iter_mut().collect::<Vec<_>>());
+        if let Some(path) = &self.family.freedoms {
+            let freedoms = read_freedoms(path)?;
+            for matrix in matrices.iter_mut().filter(|matrix| matrix.freedoms.is_none()) {
+                name_rows(matrix, &freedoms, path)?;
+            }
+        }
+        align(&mut matrices.iter_mut().collect::<Vec<_>>()).map_err(Error::argument)?;
         let size = [matrices[0].rows, matrices[0].columns];
         let mut sums = [const { None::<Sparse> }; 3];
         for (part, matrix) in parts.iter().zip(&matrices) {

@@ -130,12 +130,19 @@ pub fn reduce(
     let mass_across = full_mass.part(&inner, retained);
 
     let counted = below(&stiffness, &mass, request.modes_to, request.memory, watch)?;
-    if counted.bounds.first().is_some_and(|first| first.value <= counted.rounding + first.distance)
-    {
-        return Err(Error::analysis(
-            "with the retained nodes held, a part of the structure can still move freely; retain at least three nodes of each part \
-             that are not on one line",
-        ));
+    if let Some(first) = counted.bounds.first() {
+        if first.value.abs() <= counted.rounding {
+            return Err(Error::analysis(
+                "with the retained nodes held, a part of the structure can still move freely; retain at least three nodes of each \
+                 part that are not on one line",
+            ));
+        }
+        if first.value <= first.distance {
+            return Err(Error::analysis(format!(
+                "the lowest modes cannot be told from 0 beside {} Hz; ask for a lower frequency",
+                request.modes_to
+            )));
+        }
     }
     let modes = counted.modes;
     let (held, kept) = (retained.len(), modes.values.len());

@@ -43,6 +43,7 @@ impl Structure {
             freedoms,
         };
         structure.check_masses()?;
+        structure.check_springs()?;
         Ok(structure)
     }
 
@@ -79,6 +80,21 @@ impl Structure {
         Err(Error::analysis(format!(
             "{} degrees of freedom have no mass or a negative one, the first is row {}, {}; remove them by static condensation \
              in the program that wrote the matrices",
+            without.len(),
+            first + 1,
+            name(self.freedoms[first])
+        )))
+    }
+
+    /// A row of mass alone is a mistake: of another model, or of a node that no element has.
+    fn check_springs(&self) -> Result<(), Error> {
+        let without: Vec<usize> = (0..self.stiffness.rows())
+            .filter(|&row| self.stiffness.column(row).all(|(_, value)| value == 0.0))
+            .collect();
+        let Some(&first) = without.first() else { return Ok(()) };
+        Err(Error::analysis(format!(
+            "{} degrees of freedom have mass but no stiffness, the first is row {}, {}; check that both matrices are of one model, and \
+             remove nodes without elements",
             without.len(),
             first + 1,
             name(self.freedoms[first])

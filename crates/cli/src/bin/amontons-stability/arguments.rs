@@ -173,7 +173,7 @@ pub struct Map {
 pub struct Matrices {
     /// A file (TOML) that says of which matrices the structure M q̈ + C q̇ + K q = 0 is made, and on which parameter they
     /// depend [default: the matrices of --mass, --damping and --stiffness]
-    #[arg(value_name = "FILE.toml", conflicts_with_all = ["mass", "damping", "stiffness"])]
+    #[arg(value_name = "FILE.toml", conflicts_with_all = ["mass", "damping", "stiffness", "freedoms"])]
     pub description: Option<PathBuf>,
     /// A file of the mass matrix; NAME chooses one matrix of a file that holds several (brake.mat#M). Matrices of
     /// several --mass are added
@@ -185,14 +185,17 @@ pub struct Matrices {
     /// A file of what multiplies displacements: springs, friction, circulatory forces
     #[arg(long, value_name = "FILE[#NAME]")]
     pub stiffness: Vec<Location>,
+    /// Node and direction of each row of files that do not tell: a CSV file with the columns node,direction
+    #[arg(long, value_name = "FILE.csv")]
+    pub freedoms: Option<PathBuf>,
     /// Other values of the description's parameter
-    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_steps, requires = "description")]
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_steps, allow_hyphen_values = true)]
     pub parameter: Option<(String, Values)>,
     /// Growth rates between which modes are wanted, 1/s
     #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub growth: [f64; 2],
     /// Frequencies between which modes are wanted, Hz; from 0 includes modes that do not oscillate
-    #[arg(long, value_name = "A:B", value_parser = ends)]
+    #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub frequency: [f64; 2],
     /// Format of the output
     #[arg(long, value_enum, default_value = "table")]

@@ -178,11 +178,11 @@ pub struct Reduce {
     #[arg(long, value_name = "NODES", value_parser = nodes)]
     pub retain: Option<Nodes>,
     /// Frequency up to which the superelement is to hold, Hz
-    #[arg(long, value_name = "HZ", value_parser = above_zero)]
+    #[arg(long, value_name = "HZ", value_parser = above_zero, allow_hyphen_values = true)]
     pub frequency: f64,
     /// Keep the modes that the structure has while the retained nodes are held up to this frequency, Hz [default: twice
     /// --frequency]
-    #[arg(long, value_name = "HZ", value_parser = above_zero)]
+    #[arg(long, value_name = "HZ", value_parser = above_zero, allow_hyphen_values = true)]
     pub modes_to: Option<f64>,
     /// Memory for factors and vectors, GB
     #[arg(long, value_name = "GB", value_parser = above_zero, default_value = "8")]

@@ -1,5 +1,6 @@
 //! All that was found, in the form in which it is printed.
 
+use amontons::decimal::to_significant;
 use amontons_structures::family::{Branch, Family, Parameter, grows};
 use amontons_structures::quadratic::{Count, Mode, Outcome};
 use serde::Serialize;
@@ -116,10 +117,12 @@ impl Found {
 
 impl Value {
     pub fn new(value: Option<f64>, modes: &[Mode], count: &Count) -> Self {
+        let is_mirrored = count.edges.imaginary()[0] == 0.0;
+        let both = if is_mirrored { " (both of a pair are counted)" } else { "" };
         let says = match &count.outcome {
             Outcome::Complete => "none is missing".to_owned(),
-            Outcome::Missing(number) => format!("{number} are missing"),
-            Outcome::Surplus(number) => format!("{number} are too many"),
+            Outcome::Missing(number) => format!("{number} eigenvalues are missing{both}"),
+            Outcome::Surplus(number) => format!("{number} eigenvalues are too many{both}"),
             Outcome::NotShown(reason) => format!("not shown that none is missing: {reason}"),
         };
         Self {
@@ -128,7 +131,10 @@ impl Value {
             is_complete: count.outcome == Outcome::Complete,
             count: says,
             counted_growth_rates: count.edges.real(),
-            counted_frequencies_hz: count.edges.imaginary().map(|part| part / TAU),
+            counted_frequencies_hz: count
+                .edges
+                .imaginary()
+                .map(|part| to_significant(part / TAU, 12)),
         }
     }
 }

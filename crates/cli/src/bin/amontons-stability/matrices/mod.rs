@@ -94,7 +94,14 @@ fn family(arguments: &Matrices) -> Result<Family, Failure> {
                 "give a file that describes the structure, or its matrices with --mass and --stiffness".into(),
             ));
         }
-        return Ok(Family::of_files(&arguments.mass, &arguments.damping, &arguments.stiffness));
+        if arguments.parameter.is_some() {
+            return Err(Failure::Usage(
+                "--parameter needs a file that describes how the matrices depend on it".into(),
+            ));
+        }
+        let (mass, damping) = (&arguments.mass, &arguments.damping);
+        let freedoms = arguments.freedoms.clone();
+        return Ok(Family::of_files(mass, damping, &arguments.stiffness, freedoms));
     };
     let mut family = Family::read(path)?;
     if let Some((name, values)) = &arguments.parameter {

@@ -9,7 +9,7 @@ use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::watched;
 use amontons_cli::progress::Progress;
 use amontons_matrices::{
-    Matrix, align, open, read_freedoms, write_freedoms, write_matrix_market, write_npy,
+    Matrix, align, name_rows, open, read_freedoms, write_freedoms, write_matrix_market, write_npy,
 };
 use amontons_structures::symmetric::{Request, Structure, Superelement, certify, reduce};
 use std::fmt;
@@ -18,6 +18,8 @@ use std::io::Write;
 use std::path::Path;
 use table::{Certified, Report};
 
+/// The name of the file with the report.
+const CERTIFICATE: &str = "certificate.json";
 /// Shares of the work at which the reduction and the first certificate end.
 const SHARES: [f64; 2] = [0.4, 0.8];
 
@@ -35,20 +37,19 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
     let mut all: Vec<&mut Matrix> = [&mut stiffness, &mut mass].into_iter().chain(others).collect();
     if let Some(path) = &arguments.freedoms {
         let freedoms = read_freedoms(path)?;
-        if all.iter().any(|matrix| matrix.freedoms.is_some()) {
+        let unnamed = all.iter_mut().filter(|matrix| matrix.freedoms.is_none());
+        let mut unnamed = unnamed.peekable();
+        if unnamed.peek().is_none() {
             return Err(Error::argument(
                 "the files of the matrices name their rows themselves; leave out --freedoms",
             )
             .into());
         }
-        for matrix in &mut all {
-            **matrix = (**matrix)
-                .clone()
-                .with_freedoms(freedoms.clone())
-                .map_err(|fault| amontons_matrices::Error::new(path, fault))?;
+        for matrix in unnamed {
+            name_rows(matrix, &freedoms, path)?;
         }
     }
-    align(&mut all);
+    align(&mut all).map_err(Error::argument)?;
     let structure = Structure::new(&stiffness, &mass)?;
     for (label, matrix) in &also {
         if [matrix.rows, matrix.columns] != [stiffness.rows; 2] {
@@ -58,6 +59,13 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
             ))
             .into());
         }
+    }
+    if arguments.output.join(CERTIFICATE).exists() {
+        return Err(Error::argument(format!(
+            "{} holds another superelement; remove it, or give another folder",
+            arguments.output.display()
+        ))
+        .into());
     }
     let contacts = structure.rows_of(&arguments.contacts.0)?;
     let mut retained = arguments.contacts.0.clone();
@@ -140,7 +148,7 @@ fn write_results(
         let values = (0..basis.ncols()).flat_map(|column| basis.col(column).iter().copied());
         put(folder, "shapes.npy", &write_npy(basis.nrows(), basis.ncols(), values))?;
     }
-    put(folder, "certificate.json", report.json().as_bytes())
+    put(folder, CERTIFICATE, report.json().as_bytes())
 }
 
 fn put(folder: &Path, name: &str, content: &[u8]) -> Result<(), Error> {

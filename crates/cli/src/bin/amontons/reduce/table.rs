@@ -8,6 +8,9 @@ use std::io::{self, Write};
 /// Intervals are printed in units of one by this, Hz, rounded outwards.
 const SHOWN: f64 = 1e5;
 
+/// An error of a frequency that is worth a remark, as a part of it.
+const NOTED: f64 = 0.01;
+
 /// All that is said of a superelement.
 #[derive(Serialize)]
 pub struct Report {
@@ -95,6 +98,14 @@ impl Certified {
             );
             let error = mode.largest_relative_error.map_or_else(|| "–".into(), percent);
             writeln!(out, "{number:>5}  {own:>18}  {interval:>32}  {error:>9}")?;
+        }
+        let worst = modes.iter().filter_map(|mode| mode.largest_relative_error).fold(0.0, f64::max);
+        if worst > NOTED {
+            writeln!(
+                out,
+                "the largest error is {} %; keep more modes with --modes-to above {kept_up_to} Hz for a smaller one",
+                percent(worst)
+            )?;
         }
         Ok(())
     }
