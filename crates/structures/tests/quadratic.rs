@@ -488,31 +488,38 @@ fn a_rectangle_smaller_than_the_rounding_of_its_eigenvalues_is_not_shown() {
     assert!(matches!(count.outcome, Outcome::NotShown(_)), "{count:?}");
 }
 
+/// The phase turns often along the edges, since most eigenvalues are far outside. In the flat rectangle it turns by 2π between
+/// equidistant points, and a complete list was once said to be one of which eigenvalues are missing.
 #[test]
 fn each_hidden_eigenvalue_of_a_damped_grid_is_counted() {
-    // The phase turns often along the edges, since most eigenvalues are far outside.
-    let (a, b) = (40, 31);
-    let size = a * b;
-    let identity =
-        |factor| Sparse::from_entries(size, size, (0..size).map(|i| (i, i, factor))).unwrap();
-    let entries = (0..size).flat_map(|column| {
-        (0..size).filter_map(move |row| {
-            let ([x, y], [u, v]) = ([row / b, row % b], [column / b, column % b]);
-            match x.abs_diff(u) + y.abs_diff(v) {
-                0 => Some((row, column, 4e6)),
-                1 => Some((row, column, -1e6)),
-                _ => None,
-            }
-        })
-    });
-    let k = Sparse::from_entries(size, size, entries).unwrap();
-    let problem = Quadratic::new(identity(1.0), identity(2.0), k).unwrap();
-    let values: Vec<c64> = chain_eigenvalues(a)
-        .flat_map(|x| chain_eigenvalues(b).map(move |y| roots(2.0, 1e6 * (x + y))[0]))
-        .collect();
-    for (real, imaginary) in [([-60.0, 70.0], [0.0, 280.0]), ([-20.0, 20.0], [200.0, 400.0])] {
+    let cases = [
+        ([40, 31], [-60.0, 70.0], [0.0, 280.0]),
+        ([40, 31], [-20.0, 20.0], [200.0, 400.0]),
+        ([19, 14], [-1287.6, 1179.2], [656.22, 885.19]),
+    ];
+    for ([a, b], real, imaginary) in cases {
+        let size = a * b;
+        let identity =
+            |factor| Sparse::from_entries(size, size, (0..size).map(|i| (i, i, factor))).unwrap();
+        let entries = (0..size).flat_map(|column| {
+            (0..size).filter_map(move |row| {
+                let ([x, y], [u, v]) = ([row / b, row % b], [column / b, column % b]);
+                match x.abs_diff(u) + y.abs_diff(v) {
+                    0 => Some((row, column, 4e6)),
+                    1 => Some((row, column, -1e6)),
+                    _ => None,
+                }
+            })
+        });
+        let k = Sparse::from_entries(size, size, entries).unwrap();
+        let problem = Quadratic::new(identity(1.0), identity(2.0), k).unwrap();
+        let values: Vec<c64> = chain_eigenvalues(a)
+            .flat_map(|x| chain_eigenvalues(b).map(move |y| roots(2.0, 1e6 * (x + y))[0]))
+            .collect();
         let rectangle = Rectangle::new(real, imaginary).unwrap();
-        let near: Vec<c64> = values.iter().copied().filter(|value| value.im < 500.0).collect();
+        let near: Vec<c64> = values.iter().copied().filter(|value| value.im < 900.0).collect();
+        let found = search(&problem, &rectangle, &Options::default());
+        assert_eq!(counted(&problem, &found).outcome, Outcome::Complete);
         let factor = if imaginary[0] == 0.0 { 2 } else { 1 };
         let inside: Vec<usize> =
             (0..near.len()).filter(|&number| rectangle.contains(near[number])).collect();

@@ -15,6 +15,8 @@ use std::f64::consts::PI;
 const STEP: f64 = PI / 3.0;
 /// The largest difference of log g from its interpolation.
 const MISMATCH: f64 = 0.3;
+/// Where an interval is looked at once more, as a part of it: 0.618 of the way to the first of its equidistant points.
+const ASKEW: f64 = 0.618_033_988_75 / 4.0;
 /// A place at which P cannot be factorised is moved by this part of the shorter side.
 const ASIDE: f64 = 1e-5;
 /// The shortest interval that is looked at, relative to the length of the edges.
@@ -62,7 +64,8 @@ pub enum Outcome {
 /// outside, are divided out: g(λ) = det P(λ) / ∏ (λ − λₖ), with the conjugates; so is exp(q) with a polynomial q that fits
 /// log |g|, which has no zeros. The rest varies slowly, and few points are needed. An interval of an edge is accepted if the
 /// logarithm of the rest, magnitude and phase, at its quarter points differs by less than 0.3 from the parabola through its
-/// ends and its middle, and if the phase changes by less than π/3 between neighbouring points.
+/// ends and its middle, and if the phase changes by less than π/3 between neighbouring points; and if a point that is not equidistant
+/// with the others agrees too.
 /// Edges on the real axis are left out: the determinant is real there, and the rest is half of the way about the rectangle
 /// and its mirror image.
 ///
@@ -170,13 +173,24 @@ impl Path<'_> {
         let mut turn = 0.0;
         loop {
             let drift = self.drift(&known);
-            open.retain(|&points| match smooth(points, &drift) {
-                Some(change) => {
-                    turn += change;
-                    false
+            let (smooth, rough): (Vec<_>, Vec<_>) = open
+                .into_iter()
+                .map(|points| (points, Smooth::new(points, &drift)))
+                .partition(|(_, smooth)| smooth.is_some());
+            open = rough.into_iter().map(|(points, _)| points).collect();
+            let place =
+                |points: &[Point; 5]| points[0].place + ASKEW * (points[4].place - points[0].place);
+            let places: Vec<c64> = smooth.iter().map(|(points, _)| place(points)).collect();
+            let askew = self.evaluate(&places)?;
+            known.extend(&askew);
+            for ((points, smooth), point) in smooth.into_iter().zip(askew) {
+                match smooth {
+                    Some(smooth) if smooth.agrees(points[0], point, &drift) => {
+                        turn += smooth.change;
+                    }
+                    _ => open.push(points),
                 }
-                None => true,
-            });
+            }
             (self.watch.progress)(1.0 - open.iter().map(length).sum::<f64>() / all);
             let longest = open.iter().map(length).fold(0.0, f64::max);
             if longest == 0.0 {
@@ -287,25 +301,53 @@ enum Stop {
     Reason(String),
 }
 
-/// The change of the phase of g along five equidistant points if log g without its smooth part changes little there.
-fn smooth(points: [Point; 5], drift: &Drift) -> Option<f64> {
-    let drifts = points.map(|point| drift.at(point.place));
-    let mut values = [c64::default(); 5];
-    for step in 0..4 {
-        let change =
-            (points[step + 1].value - drifts[step + 1]) - (points[step].value - drifts[step]);
-        let phase = change.im - 2.0 * PI * (change.im / (2.0 * PI)).round();
-        if phase.abs() >= STEP {
-            return None;
+/// log g without its smooth part along five equidistant points, where it changes little.
+struct Smooth {
+    /// The values at the first point, the middle and the last, from that of the first on.
+    values: [c64; 3],
+    /// The change of the phase of g.
+    change: f64,
+}
+
+impl Smooth {
+    fn new(points: [Point; 5], drift: &Drift) -> Option<Self> {
+        let drifts = points.map(|point| drift.at(point.place));
+        let mut values = [c64::default(); 5];
+        for step in 0..4 {
+            let change =
+                (points[step + 1].value - drifts[step + 1]) - (points[step].value - drifts[step]);
+            let phase = near(change.im);
+            if phase.abs() >= STEP {
+                return None;
+            }
+            values[step + 1] = values[step] + c64::new(change.re, phase);
         }
-        values[step + 1] = values[step] + c64::new(change.re, phase);
+        let [first, one, middle, three, last] = values;
+        let mismatches = [
+            (3.0 * first + 6.0 * middle - last) / 8.0 - one,
+            (3.0 * last + 6.0 * middle - first) / 8.0 - three,
+        ];
+        // False for a value that is not a number.
+        let is_smooth = mismatches.iter().all(|mismatch| mismatch.norm() < MISMATCH);
+        let change = last.im + (drifts[4] - drifts[0]).im;
+        is_smooth.then_some(Self { values: [first, middle, last], change })
     }
-    let [first, one, middle, three, last] = values;
-    let mismatches = [
-        (3.0 * first + 6.0 * middle - last) / 8.0 - one,
-        (3.0 * last + 6.0 * middle - first) / 8.0 - three,
-    ];
-    // False for a value that is not a number.
-    let smooth = mismatches.iter().all(|mismatch| mismatch.norm() < MISMATCH);
-    smooth.then_some(last.im + (drifts[4] - drifts[0]).im)
+
+    /// `true` if the value at the point [`ASKEW`] is that of the parabola too. A phase that turns by 2π from each point to the next
+    /// is not seen in equidistant points; here it is.
+    fn agrees(&self, start: Point, point: Point, drift: &Drift) -> bool {
+        let [first, middle, last] = self.values;
+        let t = ASKEW;
+        let expected = (1.0 - t) * (1.0 - 2.0 * t) * first
+            + 4.0 * t * (1.0 - t) * middle
+            + t * (2.0 * t - 1.0) * last;
+        let value = (point.value - drift.at(point.place)) - (start.value - drift.at(start.place));
+        let mismatch = value - expected;
+        c64::new(mismatch.re, near(mismatch.im)).norm() < MISMATCH
+    }
+}
+
+/// A phase without the nearest multiple of 2π.
+fn near(phase: f64) -> f64 {
+    phase - 2.0 * PI * (phase / (2.0 * PI)).round()
 }
