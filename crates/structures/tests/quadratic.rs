@@ -488,6 +488,27 @@ fn a_rectangle_smaller_than_the_rounding_of_its_eigenvalues_is_not_shown() {
     assert!(matches!(count.outcome, Outcome::NotShown(_)), "{count:?}");
 }
 
+/// Their vectors were once taken for those of one eigenvalue, and one was lost.
+#[test]
+fn eigenvalues_that_are_very_near_to_each_other_are_both_found() {
+    for apart in [1e-13, 1e-12, 1e-11, 1e-10, 1e-9] {
+        let k = DMatrix::from_diagonal(&nalgebra::DVector::from_fn(10, |row, _| match row {
+            0 => 4.0,
+            1 => 4.0 * (1.0 + apart),
+            _ => 9.0 + row as f64,
+        }));
+        let turn: DMatrix<f64> = random(10, 7).qr().q();
+        let k = &turn * k * turn.transpose();
+        let k = 0.5 * (&k + k.transpose());
+        let one = DMatrix::identity(10, 10);
+        let problem = problem(&one, &(0.1 * &one), &k);
+        let rectangle = Rectangle::new([-1.0, 1.0], [1.5, 2.5]).unwrap();
+        let found = search(&problem, &rectangle, &Options::default());
+        assert_eq!(found.inside().count(), 2, "{apart}");
+        assert_eq!(counted(&problem, &found).outcome, Outcome::Complete);
+    }
+}
+
 /// The phase turns often along the edges, since most eigenvalues are far outside. In the flat rectangle it turns by 2π between
 /// equidistant points, and a complete list was once said to be one of which eigenvalues are missing.
 #[test]

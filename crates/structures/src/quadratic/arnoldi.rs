@@ -235,9 +235,9 @@ impl Space {
     }
 
     /// Replaces the vectors of equal Ritz values, which rounding leaves in any and even almost parallel directions, by
-    /// orthonormal ones: the smallest singular vectors of H − θ. Vectors whose residual is too large are left out. Those of
-    /// defective values stay, since there are not as many.
-    fn separate(&self, shift: c64, columns: usize, couple: f64, ritz: &mut Vec<(c64, Vec<c64>)>) {
+    /// orthonormal ones: the smallest singular vectors of H − θ, where their residual is small. Those of defective values stay,
+    /// since there are not as many.
+    fn separate(&self, shift: c64, columns: usize, couple: f64, ritz: &mut [(c64, Vec<c64>)]) {
         let mut done = vec![false; ritz.len()];
         for first in 0..ritz.len() {
             let place = ritz[first].0;
@@ -264,10 +264,12 @@ impl Space {
                 let inside = parts.S().column_vector()[smallest + offset].norm();
                 let residual = inside.hypot(couple * vector[columns - 1].norm());
                 let small = residual <= ROUNDED * value.norm();
-                ritz[other].1 = if small { vector.iter().copied().collect() } else { vec![] };
+                // Eigenvalues that differ have vectors of their own, which are better than those of one value.
+                if small {
+                    ritz[other].1 = vector.iter().copied().collect();
+                }
             }
         }
-        ritz.retain(|(_, vector)| !vector.is_empty());
     }
 
     /// The pairs of Ritz values: of the two halves of z, which are parallel, the longer one.
