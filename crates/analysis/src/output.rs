@@ -36,6 +36,16 @@ pub fn check_inputs_stay(output: &Path, inputs: &[&Path]) -> Result<(), Error> {
     }
 }
 
+/// Writes a file, which appears complete or not at all.
+///
+/// # Errors
+/// Returns an error if the file cannot be written; a file that was there before is then unchanged.
+pub fn write(path: &Path, content: &[u8]) -> Result<(), Error> {
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(content).map_err(|error| Error::file(path, &error))?;
+    file.complete()
+}
+
 /// A file that is written under another name until it is complete. A file that was at the target before is kept until
 /// then; an interrupted run leaves its results in the file ending in `.partial`. A target that is not a regular file
 /// (a pipe, a device) is written to directly.

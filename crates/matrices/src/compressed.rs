@@ -10,7 +10,7 @@ pub(crate) struct Compressed<'a> {
     pub(crate) rows: usize,
     /// The number of columns.
     pub(crate) columns: usize,
-    /// What the file says of the symmetry.
+    /// The symmetry that the file states.
     pub(crate) symmetry: Symmetry,
     /// `true` if the layout is by rows.
     pub(crate) by_rows: bool,

@@ -46,7 +46,7 @@ pub fn read(content: &[u8]) -> Result<Vec<Matrix>, Fault> {
     matrices.into_iter().map(Parts::finish).collect()
 }
 
-/// What the cards of a matrix have told so far.
+/// A matrix of which some cards have been read.
 struct Parts {
     name: String,
     /// The line of the first card.

@@ -1,4 +1,4 @@
-//! What is wrong with a file, and where.
+//! Faults of files, with their places.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ pub enum Place {
     Whole,
 }
 
-/// What is wrong in the content of a file, where, and what would be right.
+/// A fault in the content of a file: its place, and a message with the remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// The place in the content.
@@ -54,7 +54,7 @@ impl Error {
         Self { path: path.to_owned(), fault }
     }
 
-    /// What is wrong in the file.
+    /// The fault in the file.
     #[must_use]
     pub const fn fault(&self) -> &Fault {
         &self.fault

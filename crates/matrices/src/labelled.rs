@@ -34,7 +34,7 @@ pub(crate) fn position(freedoms: &[Freedom], freedom: Freedom) -> usize {
     freedoms.partition_point(|&other| other < freedom)
 }
 
-/// What the places of entries say of the symmetry of a matrix whose file is silent on it. Programs write one triangle of a
+/// Tells by the places of its entries if a matrix is symmetric whose file does not say so. Programs write one triangle of a
 /// symmetric matrix, so that no entry has a partner across the diagonal. A matrix of friction alone has such entries too, but
 /// not a diagonal entry in each of its rows.
 pub(crate) fn symmetry<T: Copy + Ord + Hash>(

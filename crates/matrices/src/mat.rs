@@ -4,6 +4,7 @@
 //! the data. A variable is an element of elements (flags, dimensions, name, data), which can be compressed.
 
 use crate::compressed::Compressed;
+use crate::matrix::position;
 use crate::numbers::{Kind, Numbers, decompressed_limit, dense, inflate, within};
 use crate::text::quote;
 use crate::{Fault, Matrix, Place, Symmetry};
@@ -90,9 +91,7 @@ impl<'a> File<'a> {
     /// # Errors
     /// Returns a fault if there is none, or it is wrong.
     pub fn read(&self, name: &str) -> Result<Matrix, Fault> {
-        let found = self.names.iter().position(|known| known == name);
-        let found =
-            found.ok_or_else(|| Fault::whole(format!("there is no matrix {}", quote(name))))?;
+        let found = position(&self.names, name)?;
         let (offset, compressed, data) = self.variables[found];
         let at = |fault: Fault| Fault {
             place: Place::Offset(offset),
@@ -157,7 +156,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// What a variable says of itself, and the elements after it.
+/// The flags, dimensions and name of a variable, and the elements after them.
 struct Variable<'a> {
     class: u8,
     complex: bool,

@@ -5,6 +5,7 @@
 //! an attribute `MATLAB_sparse`, the number of rows, and datasets `jc`, `ir` and `data`, the compressed columns.
 
 use crate::compressed::Compressed;
+use crate::matrix::position;
 use crate::numbers::{decompressed_limit, dense, too_large};
 use crate::text::quote;
 use crate::{Fault, Matrix, Place, Symmetry};
@@ -82,9 +83,7 @@ impl File {
     /// # Errors
     /// Returns a fault if there is none, or it is wrong.
     pub fn read(&self, name: &str) -> Result<Matrix, Fault> {
-        let found = self.names.iter().position(|known| known == name);
-        let found =
-            found.ok_or_else(|| Fault::whole(format!("there is no matrix {}", quote(name))))?;
+        let found = position(&self.names, name)?;
         let matrix = match &self.variables[found] {
             Variable::Full(dataset) => self.full(dataset),
             Variable::Sparse(rows, group) => self.sparse(*rows, group),

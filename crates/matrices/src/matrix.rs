@@ -1,6 +1,7 @@
 //! A sparse matrix as a file gives it.
 
 use crate::Fault;
+use crate::text::quote;
 
 /// An entry of a matrix. Rows and columns are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +24,7 @@ pub struct Freedom {
     pub direction: u8,
 }
 
-/// What a file says of the symmetry of a matrix.
+/// The symmetry of a matrix as its file states it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
     /// Nothing.
@@ -48,7 +49,7 @@ pub struct Matrix {
     /// The entries of both triangles, by column and then by row; no place has two. Zeros that the file states are kept, unless it states all
     /// values.
     pub entries: Vec<Entry>,
-    /// What the file says of its symmetry.
+    /// The symmetry that the file states.
     pub symmetry: Symmetry,
     /// The degree of freedom of each row, if the file or its companion tells; then the matrix is square.
     pub freedoms: Option<Vec<Freedom>>,
@@ -80,4 +81,10 @@ impl Matrix {
         self.freedoms = Some(freedoms);
         Ok(self)
     }
+}
+
+/// The place of a name in a list of matrices.
+pub(crate) fn position(names: &[String], name: &str) -> Result<usize, Fault> {
+    let found = names.iter().position(|known| known == name);
+    found.ok_or_else(|| Fault::whole(format!("there is no matrix {}", quote(name))))
 }

@@ -49,7 +49,7 @@ fn write_friction(folder: &Path, head: &str) {
     file("friction.toml", &parts.concat());
 }
 
-/// What is written is what was certified: the eigenvalues of the files, found by the other program, are those of the report.
+/// The written matrices are the certified ones: the other program finds the eigenvalues of the report in them.
 #[test]
 fn a_superelement_has_the_frequencies_of_its_certificate() {
     let folder = folder();

@@ -17,7 +17,7 @@ pub struct Family {
     parts: Vec<Part>,
 }
 
-/// What the matrices depend on.
+/// The parameter on which the matrices depend.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameter {
@@ -166,7 +166,7 @@ impl Family {
         Ok(Self { parameter, freedoms: freedoms.map(|path| folder.join(path)), parts })
     }
 
-    /// What the matrices depend on; `None` if on nothing.
+    /// The parameter on which the matrices depend; `None` if they are fixed.
     #[must_use]
     pub const fn parameter(&self) -> Option<&Parameter> {
         self.parameter.as_ref()
@@ -201,7 +201,7 @@ impl Family {
         self.parameter.as_ref().map_or(1, |parameter| parameter.values.len())
     }
 
-    /// What multiplies a part at the value of this place in the list.
+    /// The factor of a part at the value of this place in the list.
     fn factor(&self, part: &Part, place: usize) -> Result<f64, Error> {
         let Some(parameter) = self.parameter.as_ref().filter(|_| part.power != 0.0) else {
             return Ok(part.factor);

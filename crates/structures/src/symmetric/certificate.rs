@@ -10,7 +10,7 @@ use amontons::Error;
 use amontons_analysis::watch::Watch;
 use faer::{Mat, Side};
 
-/// What is known of the modes below a limit.
+/// The modes of a superelement below a limit, beside those of the full matrices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
     /// The frequency at which modes were counted, Hz.

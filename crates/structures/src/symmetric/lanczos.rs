@@ -15,7 +15,7 @@ const CONVERGED: f64 = 1e-12;
 /// A vector with less than this part left after it was made orthogonal is lost to rounding.
 const LOST: f64 = 1e-10;
 
-/// What is looked for.
+/// The eigenvalues that are looked for.
 pub struct Wanted {
     /// The number of eigenvalues.
     pub count: usize,

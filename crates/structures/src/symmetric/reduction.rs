@@ -9,7 +9,7 @@ use amontons_analysis::watch::Watch;
 use amontons_matrices::{Entry, Freedom, Matrix, Symmetry};
 use faer::Mat;
 
-/// What a superelement keeps.
+/// The degrees of freedom and modes that a superelement keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// The rows of the retained degrees of freedom, in ascending order.

@@ -324,8 +324,5 @@ fn platforms_help() -> String {
 }
 
 pub fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("must be a number above zero, in seconds".to_owned()),
-    }
+    above_zero(text).map_err(|wish| format!("{wish}, in seconds"))
 }

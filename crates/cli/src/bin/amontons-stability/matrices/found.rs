@@ -18,7 +18,7 @@ pub struct Found {
     pub branches: Vec<Followed>,
 }
 
-/// What the matrices depend on.
+/// The parameter on which the matrices depend.
 #[derive(Serialize)]
 pub struct Named {
     pub name: String,
@@ -34,7 +34,7 @@ pub struct Value {
     pub modes: Vec<Line>,
     /// `true` if it was shown that none is missing.
     pub is_complete: bool,
-    /// What the count says.
+    /// The result of the count, in words.
     pub count: String,
     /// The edges along which was counted: growth rates and frequencies in Hz.
     pub counted_growth_rates: [f64; 2],

@@ -12,7 +12,7 @@ use amontons::scene::{Method, Scene, Selection, Structure};
 use amontons::simulation::Simulation;
 use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::critical_step;
-use amontons_analysis::output::{check_folder, check_inputs_stay};
+use amontons_analysis::output::{self, check_folder, check_inputs_stay};
 use amontons_cli::say;
 use amontons_export::documentation::{Subject, counted, documentation, first_forces};
 use amontons_export::package::{self, Library};
@@ -48,10 +48,10 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     let documentation = documentation(subject, page)?;
     let fmu = package::fmu(&scene, &source, Some(&documentation), &libraries)?;
     let check = arguments.with_reference.then(|| written::check(&scene)).transpose()?;
-    written::write(&path, &fmu)?;
+    output::write(&path, &fmu)?;
     let beside = check.as_ref().map_or_else(Vec::new, |check| written::files(check, &path));
     for (path, text) in &beside {
-        written::write(path, text.as_bytes())?;
+        output::write(path, text.as_bytes())?;
     }
     let colon = if scene.description.is_empty() { "" } else { ": " };
     say!("{}{colon}{}", scene.name, scene.description);

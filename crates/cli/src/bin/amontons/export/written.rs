@@ -1,13 +1,11 @@
 //! The runs of a scene that an export writes beside the FMU or into its documentation.
 
 use amontons::scene::Scene;
-use amontons_analysis::output::AtomicFile;
 use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
 use amontons_export::documentation::{CrossCheck, ReferenceRun, cross_check, reference_run};
 use std::error::Error;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Makes the reference run of the documentation page.
@@ -42,14 +40,4 @@ pub fn files(check: &CrossCheck, fmu: &Path) -> Vec<(PathBuf, String)> {
     let mut files = vec![named("_ref.csv", &check.reference), named("_ref.opt", &check.options)];
     files.extend(check.inputs.as_ref().map(|inputs| named("_in.csv", inputs)));
     files
-}
-
-/// Writes a file, which appears complete or not at all.
-///
-/// # Errors
-/// Returns an error if the file cannot be written.
-pub fn write(path: &Path, content: &[u8]) -> Result<(), amontons::Error> {
-    let mut file = AtomicFile::create(path)?;
-    file.write_all(content).map_err(|error| amontons::Error::file(path, &error))?;
-    file.complete()
 }

@@ -4,7 +4,7 @@ mod table;
 
 use crate::arguments::Reduce;
 use amontons::Error;
-use amontons_analysis::output::AtomicFile;
+use amontons_analysis::output;
 use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::watched;
 use amontons_cli::progress::Progress;
@@ -14,8 +14,6 @@ use amontons_matrices::{
 use amontons_structures::symmetric::{Request, Structure, Superelement, certify, reduce};
 use std::fmt;
 use std::fs;
-use std::io::Write;
-use std::path::Path;
 use table::{Certified, Report};
 
 /// The name of the file with the report.
@@ -134,26 +132,20 @@ fn write_results(
 ) -> Result<(), Error> {
     let folder = &arguments.output;
     fs::create_dir_all(folder).map_err(|error| Error::file(folder, &error))?;
+    let put = |name: &str, content: &[u8]| output::write(&folder.join(name), content);
     let [stiffness, mass] = superelement.matrices(structure);
-    put(folder, "stiffness.mtx", write_matrix_market(&stiffness).as_bytes())?;
-    put(folder, "mass.mtx", write_matrix_market(&mass).as_bytes())?;
+    put("stiffness.mtx", write_matrix_market(&stiffness).as_bytes())?;
+    put("mass.mtx", write_matrix_market(&mass).as_bytes())?;
     for (label, full) in also {
         let reduced = superelement.reduced(structure, full)?;
-        put(folder, &format!("{label}.mtx"), write_matrix_market(&reduced).as_bytes())?;
+        put(&format!("{label}.mtx"), write_matrix_market(&reduced).as_bytes())?;
     }
     let freedoms = stiffness.freedoms.unwrap_or_default();
-    put(folder, "freedoms.csv", write_freedoms(&freedoms).as_bytes())?;
+    put("freedoms.csv", write_freedoms(&freedoms).as_bytes())?;
     if arguments.shapes {
         let basis = &superelement.basis;
         let values = (0..basis.ncols()).flat_map(|column| basis.col(column).iter().copied());
-        put(folder, "shapes.npy", &write_npy(basis.nrows(), basis.ncols(), values))?;
+        put("shapes.npy", &write_npy(basis.nrows(), basis.ncols(), values))?;
     }
-    put(folder, CERTIFICATE, report.json().as_bytes())
-}
-
-fn put(folder: &Path, name: &str, content: &[u8]) -> Result<(), Error> {
-    let path = folder.join(name);
-    let mut file = AtomicFile::create(&path)?;
-    file.write_all(content).map_err(|error| Error::file(&path, &error))?;
-    file.complete()
+    put(CERTIFICATE, report.json().as_bytes())
 }

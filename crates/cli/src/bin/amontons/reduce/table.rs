@@ -1,4 +1,4 @@
-//! What `amontons reduce` says of a superelement, as text and as JSON.
+//! The report on a superelement, as text and as JSON.
 
 use amontons::decimal::to_significant;
 use amontons_structures::symmetric::{Certificate, Request, Structure, Superelement, frequency};

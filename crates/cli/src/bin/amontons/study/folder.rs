@@ -3,7 +3,7 @@
 use super::arguments::{Pictures, StudyArguments};
 use amontons::scene::{Scene, Source};
 use amontons_analysis::journal::Journal;
-use amontons_analysis::output::AtomicFile;
+use amontons_analysis::output::{self, AtomicFile};
 use amontons_analysis::watch::Watch;
 use amontons_cli::shards::{Pieces, Program, ShardArguments, identity, other};
 use amontons_pictures::picture::Chart;
@@ -122,10 +122,7 @@ impl Folder {
         let mut study = self.study.clone();
         study["command"] = json!(self.pieces.command());
         study["results"] = serde_json::to_value(results)?;
-        let mut file = AtomicFile::create(&path)?;
-        let written = file.write_all(format!("{study:#}\n").as_bytes());
-        written.map_err(|error| amontons::Error::file(&path, &error))?;
-        Ok(file.complete()?)
+        Ok(output::write(&path, format!("{study:#}\n").as_bytes())?)
     }
 
     /// Path of the picture of this name.

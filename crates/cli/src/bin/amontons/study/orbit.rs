@@ -6,7 +6,7 @@ use super::{heading, prepared, watched};
 use amontons::integrator::Event;
 use amontons::scene::Scene;
 use amontons_analysis::orbit::{Orbit, OrbitEnergy, OrbitEvent, OrbitStart, check_signals};
-use amontons_analysis::output::AtomicFile;
+use amontons_analysis::output;
 use amontons_analysis::study::{FoundOrbit, From, Unfound, orbit};
 use amontons_analysis::sweep::range;
 use amontons_cli::say;
@@ -15,7 +15,6 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::json;
 use std::error::Error;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// File of the orbit, from which other commands start.
@@ -137,10 +136,8 @@ pub fn begin(path: &Path, scene: &mut Scene) -> Result<(), amontons::Error> {
 }
 
 fn write(path: &Path, orbit: &impl Serialize) -> Result<(), Box<dyn Error>> {
-    let mut file = AtomicFile::create(path)?;
     let text = format!("{:#}\n", serde_json::to_value(orbit)?);
-    file.write_all(text.as_bytes()).map_err(|error| amontons::Error::file(path, &error))?;
-    Ok(file.complete()?)
+    Ok(output::write(path, text.as_bytes())?)
 }
 
 /// The rows of the table of events: one for each contact with an event, by time.
