@@ -29,6 +29,8 @@ pub struct Equilibrium {
     pub normal_force: Vec<f64>,
     /// Friction force T of each contact, on the mass along the tangent, N.
     pub friction_force: Vec<f64>,
+    /// Gap of each contact, m: exactly 0 where it is closed.
+    pub gap: Vec<f64>,
 }
 
 impl LumpedModel {
@@ -52,6 +54,7 @@ impl LumpedModel {
             displacement: alone.displacement.repeat(count),
             normal_force: alone.normal_force.repeat(count),
             friction_force: alone.friction_force.repeat(count),
+            gap: alone.gap.repeat(count),
         })
     }
 
@@ -119,7 +122,8 @@ impl LumpedModel {
         let normal_force: Vec<f64> =
             displacement.split_off(dofs).into_iter().map(|multiplier| unit * multiplier).collect();
         let friction_force = slopes.iter().zip(&normal_force).map(|(slope, n)| slope * n).collect();
-        Ok(Equilibrium { displacement, normal_force, friction_force })
+        let gap = vec![0.0; normal_force.len()];
+        Ok(Equilibrium { displacement, normal_force, friction_force, gap })
     }
 
     /// Explains why there is no equilibrium at these µ. Looks for the largest part of them that has one: where the

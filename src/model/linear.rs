@@ -133,6 +133,7 @@ mod tests {
             displacement: vec![0.0; 8],
             normal_force: vec![3.0; 2],
             friction_force: vec![0.0; 2],
+            gap: vec![0.0; 2],
         }
     }
 

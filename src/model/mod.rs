@@ -57,10 +57,14 @@ pub struct Damping {
 /// rubs on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
-    /// Normal direction G_N: the gap is G_N x, positive where the contact is open.
+    /// Normal direction G_N: the gap is `gap` + G_N x, positive where the contact is open.
     pub normal: Direction,
     /// Tangential direction G_T: the tangential displacement is G_T x.
     pub tangent: Direction,
+    /// The direction across the sliding and along the surface, if friction across it is asked for in eigenvalues.
+    pub transverse: Option<Direction>,
+    /// Gap in the position from which the displacements x count, m, at least 0: 0 for a contact that is closed there.
+    pub gap: f64,
     /// Parameters of the contact's friction.
     pub friction: Friction,
     /// Velocity v of the sliding surface along the tangent, m/s.
@@ -68,10 +72,17 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// A contact without friction, on a surface that stands still.
+    /// A closed contact without friction, on a surface that stands still.
     #[must_use]
     pub fn new(normal: Direction, tangent: Direction) -> Self {
-        Self { normal, tangent, friction: Friction::from(0.0), surface_velocity: 0.0 }
+        Self {
+            normal,
+            tangent,
+            transverse: None,
+            gap: 0.0,
+            friction: Friction::from(0.0),
+            surface_velocity: 0.0,
+        }
     }
 
     /// The sign of the friction force in uniform sliding: that of v, 0 where the surface stands still.

@@ -88,8 +88,8 @@ impl Snapshot {
             return refuse("its lists do not have the lengths that the scene requires");
         }
         let Progress { reference, motion, clock, rates } = &self.progress;
-        let Equilibrium { displacement, normal_force, friction_force } = &reference.equilibrium;
-        if [displacement, normal_force, friction_force, &reference.load]
+        let Equilibrium { displacement, normal_force, friction_force, gap } = &reference.equilibrium;
+        if [displacement, normal_force, friction_force, gap, &reference.load]
             .into_iter()
             .any(|list| !are_finite(list))
         {
@@ -136,6 +136,7 @@ impl Snapshot {
             && reference.equilibrium.displacement.len() == dofs
             && reference.equilibrium.normal_force.len() == contacts
             && reference.equilibrium.friction_force.len() == contacts
+            && reference.equilibrium.gap.len() == contacts
     }
 }
 
@@ -204,7 +205,7 @@ impl Simulation {
 }
 
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 11;
+const VERSION: u8 = 12;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;
@@ -444,7 +445,7 @@ mod tests {
         let (dofs, contacts) = (scene.dof_names().len(), scene.contact_count());
         let values = variables(scene).iter().filter(|variable| variable.is_settable()).count();
         let chosen = if scene.selection == Selection::Given { 1 } else { 1 + NUMBER + 1 + NUMBER };
-        let reference = 2 * list(dofs) + 2 * list(contacts);
+        let reference = 2 * list(dofs) + 3 * list(contacts);
         // Entries into the four states, and nine other counters.
         let counts = 4 + 9;
         // For each contact: its state, and whether it pulls.
