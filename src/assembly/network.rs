@@ -6,7 +6,7 @@
 //! A spring in direction d elongates by d·(u_a − u_b) − p and adds k b bᵀ to K, b being its
 //! elongation without the preload p; the preload and the constant forces on the masses are the load.
 //! A damper adds likewise to D. A contact with tangent t and outward normal n has the rows
-//! G_N = n·(u_mass − u_on) and G_T = t·(u_mass − u_on).
+//! G_N = n·(u_mass − u_on) and G_T = t·(u_mass − u_on), and the gap that the scene gives it.
 
 use super::elements::{Elongation, difference, spring};
 use crate::model::{Contact, Direction, LumpedModel, SparseMatrix};
@@ -85,7 +85,7 @@ pub(super) fn model(scene: &Scene, network: &Network) -> LumpedModel {
             normal: row([-sin, cos]),
             tangent: row([cos, sin]),
             transverse: None,
-            gap: 0.0,
+            gap: place.gap,
             friction: scene.friction_of(i),
             surface_velocity: scene.surface_velocity(i),
         }

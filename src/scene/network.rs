@@ -77,7 +77,7 @@ pub struct Damper {
 /// surface.
 ///
 /// With the tangent t = (cos, sin) and the outward normal n = (−sin, cos) of its angle, the gap is
-/// n·(u_mass − u_on) ≥ 0 and the slip velocity v − t·(u̇_mass − u̇_on).
+/// gap + n·(u_mass − u_on) ≥ 0 and the slip velocity v − t·(u̇_mass − u̇_on).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactDefinition {
     /// Name of the contact.
@@ -88,6 +88,8 @@ pub struct ContactDefinition {
     pub on: Option<usize>,
     /// Angle of the tangent against the horizontal, rad; `None` for the slider's.
     pub angle: Option<f64>,
+    /// Gap in the unloaded position, m, at least 0.
+    pub gap: f64,
     /// Velocity v of the sliding surface along the tangent, m/s; `None` for the slider's.
     pub velocity: Option<f64>,
     /// Friction coefficient µ; `None` for the common one.

@@ -110,6 +110,10 @@ pub(super) struct ContactTable {
     on: Option<String>,
     /// Angle of the contact's tangent against the horizontal, rad; the slider's by default.
     angle: Option<f64>,
+    /// Gap in the unloaded position, m; 0 by default.
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::OPENING.bounds()))]
+    gap: f64,
     /// Velocity of the sliding surface along the tangent, m/s; the slider's by default.
     velocity: Option<f64>,
     /// Friction coefficient µ; the common one by default.
@@ -196,6 +200,7 @@ impl Tables<'_> {
                 mass: find("mass", &contact.mass),
                 on: contact.on.as_deref().map(|on| find("on", on)),
                 angle: contact.angle,
+                gap: contact.gap,
                 velocity: contact.velocity,
                 friction: contact.friction,
                 static_friction: contact.static_friction,

@@ -300,6 +300,7 @@ fn network(parts: &[Part]) -> Network {
             mass: i,
             on: before.filter(|_| part.on_mass),
             angle: Some(part.tangent),
+            gap: 0.0,
             velocity: None,
             friction: None,
             static_friction: None,

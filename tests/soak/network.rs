@@ -150,6 +150,7 @@ fn add_contact(
         mass,
         on,
         angle,
+        gap: 0.0,
         velocity,
         friction,
         static_friction,
