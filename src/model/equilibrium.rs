@@ -130,7 +130,8 @@ impl LumpedModel {
             if let Some(found) = self.with_closed(&closed, slopes).ok()? {
                 return Some(found);
             }
-            let found = self.solve_closed(&closed, slopes, &self.load, |contact| contact.gap).ok()?;
+            let found =
+                self.solve_closed(&closed, slopes, &self.load, |contact| contact.gap).ok()?;
             for (i, closed) in closed.iter_mut().enumerate() {
                 *closed = if *closed { found.normal_force[i] >= 0.0 } else { found.gap[i] < 0.0 };
             }
@@ -140,11 +141,16 @@ impl LumpedModel {
 
     /// The equilibrium with these contacts closed; `None` where one of them pulls, or an open one is inside its surface,
     /// by more than rounding.
-    fn with_closed(&self, closed: &[bool], slopes: &[f64]) -> Result<Option<Equilibrium>, Singular> {
+    fn with_closed(
+        &self,
+        closed: &[bool],
+        slopes: &[f64],
+    ) -> Result<Option<Equilibrium>, Singular> {
         let mut found = self.solve_closed(closed, slopes, &self.load, |contact| contact.gap)?;
         let pressed = found.normal_force.iter().fold(0.0, |most, force| f64::max(most, *force));
         for (i, contact) in self.contacts.iter().enumerate() {
-            let terms = contact.normal.0.iter().map(|&(dof, n)| (n * found.displacement[dof]).abs());
+            let terms =
+                contact.normal.0.iter().map(|&(dof, n)| (n * found.displacement[dof]).abs());
             let length = terms.fold(contact.gap, |sum, term| sum + term);
             let (force, gap) = (&mut found.normal_force[i], &mut found.gap[i]);
             if *force < -COARSE * pressed || *gap < -COARSE * length {
@@ -163,13 +169,20 @@ impl LumpedModel {
     /// What is known of other equilibria than this one, in which other contacts are closed. Contacts that can open are
     /// examined; the others have one equilibrium.
     ///
-    /// Without friction there is one. With friction there is one if it is weak enough (the symmetric part of the matrix
+    /// Without friction there is one if K is symmetric. With friction there is one if it is weak enough (the symmetric part of the matrix
     /// of the complementarity problem is positive definite). Of up to ten contacts all patterns are tried, of more
     /// some.
     #[must_use]
     pub fn uniqueness(&self, found: &Equilibrium) -> Uniqueness {
         let slopes: Vec<f64> = self.sliding_ratios().collect();
-        if !self.law.detachment || self.contacts.is_empty() {
+        // Without friction the energy of the springs has one least value.
+        let has_energy = || {
+            let k = &self.stiffness;
+            slopes.iter().all(|slope| *slope == 0.0)
+                && k.entries()
+                    .all(|(i, j, value)| (k.get(j, i) - value).abs() <= FINE * value.abs())
+        };
+        if !self.law.detachment || self.contacts.is_empty() || has_energy() {
             return Uniqueness::One;
         }
         if self.dofs() > MOST_DENSE {
@@ -434,9 +447,11 @@ impl Equilibrium {
     pub fn states(&self, model: &LumpedModel) -> Vec<ContactState> {
         let contacts = model.contacts.iter().zip(&self.gap);
         contacts
-            .map(|(contact, gap)| {
-                if *gap > 0.0 { ContactState::Detached } else { contact.resting_state() }
-            })
+            .map(
+                |(contact, gap)| {
+                    if *gap > 0.0 { ContactState::Detached } else { contact.resting_state() }
+                },
+            )
             .collect()
     }
 
@@ -576,7 +591,8 @@ mod tests {
     /// The forces of springs, loads and contacts add up to zero, and the law of contact holds.
     fn assert_balanced(model: &LumpedModel, found: &Equilibrium) {
         let mut sum = model.load.clone();
-        let size = sum.iter().chain(&found.normal_force).fold(0.0, |most, f| f64::max(most, f.abs()));
+        let size =
+            sum.iter().chain(&found.normal_force).fold(0.0, |most, f| f64::max(most, f.abs()));
         for (i, (contact, slope)) in model.contacts.iter().zip(model.sliding_ratios()).enumerate() {
             contact.normal.add_to(&mut sum, found.normal_force[i]);
             contact.tangent.add_to(&mut sum, slope * found.normal_force[i]);
@@ -674,6 +690,33 @@ mod tests {
         let set1 = set1();
         let model = LumpedModel::from(&set1);
         assert_eq!(model.uniqueness(&equilibrium(&set1).unwrap()), Uniqueness::One);
+    }
+
+    /// A full stiffness matrix of 300 degrees of freedom, on which 100 contacts press.
+    #[test]
+    fn a_full_matrix_with_a_hundred_contacts_is_solved() {
+        let (n, m) = (300, 100);
+        let wave = |i: usize| libm::sin(1.3 * i as f64 * (1.0 + 0.01 * i as f64));
+        let mut entries = Vec::new();
+        for i in 0..n {
+            for j in 0..n {
+                let apart = i.abs_diff(j) as f64;
+                entries.push((i, j, 1e6 * libm::exp(-0.2 * apart) * libm::cos(0.3 * apart)));
+            }
+        }
+        let mut model = row(&vec![0.0; m], &vec![0.0; m], 0.3, 1.0);
+        model.stiffness = SparseMatrix::from_entries(n, entries);
+        model.mass = SparseMatrix::diagonal(&vec![1.0; n]);
+        model.dampers = SparseMatrix::zero(n);
+        model.load = (0..n).map(|i| 50.0 * (wave(i) - 0.3)).collect();
+        for (i, contact) in model.contacts.iter_mut().enumerate() {
+            contact.gap = 1e-6 * (1.0 + wave(7 * i));
+        }
+        let found = model.equilibrium(&number).unwrap();
+        let open = found.gap.iter().filter(|gap| **gap > 0.0).count();
+        assert!((20..80).contains(&open), "{open}");
+        assert_balanced(&model, &found);
+        assert_ne!(model.uniqueness(&found), Uniqueness::Several(found));
     }
 
     #[test]

@@ -56,7 +56,10 @@ fn a_mass_that_falls_through_a_gap_lands_and_lifts_off() {
                 simulation.advance_to(lands + turn / OMEGA).unwrap();
                 let [x, y] = place(&simulation);
                 let [along, across] = [FRICTION * speed / OMEGA * turn.sin(), -GAP * turn.cos()];
-                assert!((x - along).abs() < near && (y - across).abs() < near, "{method:?} {angle}");
+                assert!(
+                    (x - along).abs() < near && (y - across).abs() < near,
+                    "{method:?} {angle}"
+                );
             }
             assert_eq!(simulation.statistics().touch_downs, 1);
             let energy = simulation.energy().unwrap();
@@ -160,5 +163,8 @@ fn a_mass_does_not_start_inside_its_surface() {
     assert!(start(-GAP).is_ok() && start(-0.5 * GAP).is_ok());
     let message = start(-1.5 * GAP).err().unwrap().to_string();
     assert!(message.contains("contact.stop starts inside its surface"), "{message}");
-    assert!(message.contains("a gap of 0.01 m, and the initial displacement adds -0.015 m"), "{message}");
+    assert!(
+        message.contains("a gap of 0.01 m, and the initial displacement adds -0.015 m"),
+        "{message}"
+    );
 }

@@ -132,7 +132,8 @@ fn step_at_start_warnings(scene: &Scene) -> Vec<String> {
 fn equilibrium_warnings(simulation: &Simulation) -> Vec<String> {
     let (scene, here) = (simulation.scene(), simulation.reference());
     let unloaded = LumpedModel::from(scene);
-    let opened = (0..here.gap.len()).filter(|i| here.gap[*i] > 0.0 && unloaded.contacts[*i].gap == 0.0);
+    let opened =
+        (0..here.gap.len()).filter(|i| here.gap[*i] > 0.0 && unloaded.contacts[*i].gap == 0.0);
     let mut warnings: Vec<String> = opened
         .map(|i| {
             format!(

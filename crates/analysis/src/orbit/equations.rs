@@ -429,7 +429,8 @@ impl Flow {
         // ([`check_gaps`](super::flow::check_gaps)), which hold such a place.
         let mut place = DVector::zeros(size);
         for (contact, state) in self.model.contacts.iter().zip(closed) {
-            if let (Some(dof), true) = (contact.normal.as_unit(), *state != ContactState::Detached) {
+            if let (Some(dof), true) = (contact.normal.as_unit(), *state != ContactState::Detached)
+            {
                 place[dof] = 0.0 - contact.gap;
             }
         }

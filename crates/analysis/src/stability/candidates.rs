@@ -161,7 +161,15 @@ pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<B
     let need = |candidate: &Candidate| candidate.reach.map_or(f64::INFINITY, |reach| reach.energy);
     candidates.sort_by(|a, b| need(a).total_cmp(&need(b)).then(a.range[0].total_cmp(&b.range[0])));
     let widest = stable.iter().map(|[from, to]| (to - from) / steps).fold(0.0, f64::max);
-    Ok(Bistability { range: [first, last], equilibrium, other, uniform, stable, candidates, widest })
+    Ok(Bistability {
+        range: [first, last],
+        equilibrium,
+        other,
+        uniform,
+        stable,
+        candidates,
+        widest,
+    })
 }
 
 /// Finds the state that is easiest to reach, at the end of a range of µ where that is easiest, and what a motion needs to

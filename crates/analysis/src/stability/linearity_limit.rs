@@ -69,7 +69,8 @@ pub fn linearity_limit(
         let amplitude = if is_reached { equilibrium.gap[contact] / moved } else { f64::INFINITY };
         LinearityLimit { contact, into: rows.resting_state(), amplitude, dof }
     });
-    let all: Vec<LinearityLimit> = first.chain(landing).filter(|limit| limit.amplitude.is_finite()).collect();
+    let all: Vec<LinearityLimit> =
+        first.chain(landing).filter(|limit| limit.amplitude.is_finite()).collect();
     let least = all.iter().map(|limit| limit.amplitude).fold(f64::INFINITY, f64::min);
     all.into_iter().find(|limit| limit.amplitude <= least * (1.0 + 1e-9))
 }

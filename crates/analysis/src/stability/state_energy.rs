@@ -294,10 +294,7 @@ output_interval = 1.0e-3
         let gap = here.equilibrium().unwrap().gap[0];
         let inverse = [[5000.0, 0.0], [0.0, 0.0]];
         let (c, s) = (f64::cos(1.1), f64::sin(1.1));
-        let k = [
-            [inverse[0][0] + 300.0 * c * c, 300.0 * c * s],
-            [300.0 * c * s, 300.0 * s * s],
-        ];
+        let k = [[inverse[0][0] + 300.0 * c * c, 300.0 * c * s], [300.0 * c * s, 300.0 * s * s]];
         // Along y with x free: k_yy − k_xy²/k_xx.
         let along = k[1][1] - k[0][1] * k[0][1] / k[0][0];
         assert!((gap - 3.0 / along).abs() < 1e-12);

@@ -60,7 +60,10 @@ fn print_uniform(
     }
     if let Some((mu, states)) = &found.other {
         let (mu, states) = (significant(*mu, LOCATED), JoinedStates(states));
-        writeln!(out, "  has an equilibrium with other contacts closed ({states}) at µ = {mu}, which is left out")?;
+        writeln!(
+            out,
+            "  has an equilibrium with other contacts closed ({states}) at µ = {mu}, which is left out"
+        )?;
     }
     if found.uniform.is_empty() {
         let all = if found.stable.is_empty() {

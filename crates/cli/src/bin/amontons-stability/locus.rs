@@ -168,9 +168,9 @@ impl Family<'_> {
         let here = |value: f64| Ok::<_, Error>(Linearised::of(&with(&scene, self.name, value)?));
         let has_equilibrium = |value: f64| {
             let here = here(value)?;
-            let found = here.equilibrium()?;
             // Other contacts may be closed at other values.
-            if is_uniform { here.equilibrium_in(&self.states).map(|_| ()) } else { Ok(drop(found)) }
+            let states = if is_uniform { self.states.clone() } else { here.resting_state() };
+            here.equilibrium_in(&states).map(|_| ())
         };
         let equilibrium = equilibrium_ranges(&has_equilibrium, self.values);
         let falls = !scene.contact_law().friction.info().is_constant();
