@@ -695,7 +695,7 @@ mod tests {
     /// A full stiffness matrix of 300 degrees of freedom, on which 100 contacts press.
     #[test]
     fn a_full_matrix_with_a_hundred_contacts_is_solved() {
-        let (n, m) = (300, 100);
+        let (n, m) = (300_usize, 100);
         let wave = |i: usize| libm::sin(1.3 * i as f64 * (1.0 + 0.01 * i as f64));
         let mut entries = Vec::new();
         for i in 0..n {
