@@ -84,6 +84,8 @@ pub(super) fn model(scene: &Scene, network: &Network) -> LumpedModel {
         Contact {
             normal: row([-sin, cos]),
             tangent: row([cos, sin]),
+            transverse: None,
+            gap: 0.0,
             friction: scene.friction_of(i),
             surface_velocity: scene.surface_velocity(i),
         }

@@ -41,6 +41,8 @@ pub(super) fn model(scene: &Scene, modules: &[Module]) -> LumpedModel {
     let contact = |i| Contact {
         normal: Direction::unit(MODULE_DOFS * i + 3),
         tangent: Direction::unit(MODULE_DOFS * i + 2),
+        transverse: None,
+        gap: 0.0,
         friction: scene.friction_of(i),
         surface_velocity: scene.surface_velocity(i),
     };

@@ -3,18 +3,19 @@
 //! M ẍ + C ẋ + K x = F + Σ (G_Nᵀ N + G_Tᵀ T) over the contacts (paper, eq. 1), C = α M + β K + D.
 
 mod banded;
+mod closing;
 mod equilibrium;
 mod linear;
 mod reduced;
 pub mod ring;
 mod sparse;
 
-pub use equilibrium::Equilibrium;
+pub use equilibrium::{Equilibrium, Uniqueness};
 pub use linear::{LinearModel, SlidingFriction};
 pub use reduced::ReducedMatrices;
 pub use sparse::{Entry, SparseMatrix};
 
-use crate::contact::{ContactLaw, Friction};
+use crate::contact::{ContactLaw, ContactState, Friction};
 
 /// A structure of masses and springs with frictional contacts, linear but for its contacts.
 ///
@@ -57,10 +58,14 @@ pub struct Damping {
 /// rubs on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
-    /// Normal direction G_N: the gap is G_N x, positive where the contact is open.
+    /// Normal direction G_N: the gap is `gap` + G_N x, positive where the contact is open.
     pub normal: Direction,
     /// Tangential direction G_T: the tangential displacement is G_T x.
     pub tangent: Direction,
+    /// The direction across the sliding and along the surface, if friction across it is asked for in eigenvalues.
+    pub transverse: Option<Direction>,
+    /// Gap in the position from which the displacements x count, m, at least 0: 0 for a contact that is closed there.
+    pub gap: f64,
     /// Parameters of the contact's friction.
     pub friction: Friction,
     /// Velocity v of the sliding surface along the tangent, m/s.
@@ -68,10 +73,40 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// A contact without friction, on a surface that stands still.
+    /// A closed contact without friction, on a surface that stands still.
     #[must_use]
     pub fn new(normal: Direction, tangent: Direction) -> Self {
-        Self { normal, tangent, friction: Friction::from(0.0), surface_velocity: 0.0 }
+        Self {
+            normal,
+            tangent,
+            transverse: None,
+            gap: 0.0,
+            friction: Friction::from(0.0),
+            surface_velocity: 0.0,
+        }
+    }
+
+    /// The gap at these displacements, m.
+    #[must_use]
+    pub fn gap_at(&self, displacement: &[f64]) -> f64 {
+        self.gap + self.normal.dot(displacement)
+    }
+
+    /// The displacement along a normal of one degree of freedom at which the contact is closed, m: its gap is then an exact
+    /// zero.
+    pub(crate) fn closed_place(&self) -> f64 {
+        0.0 - self.gap
+    }
+
+    /// The state in which the contact, closed, can be at rest in the frame of the structure: it slides by the sign of the
+    /// velocity of its surface, and sticks where that is zero.
+    #[must_use]
+    pub fn resting_state(&self) -> ContactState {
+        match self.surface_velocity {
+            v if v > 0.0 => ContactState::Slide,
+            v if v < 0.0 => ContactState::ReverseSlide,
+            _ => ContactState::Stick,
+        }
     }
 
     /// The sign of the friction force in uniform sliding: that of v, 0 where the surface stands still.
@@ -154,6 +189,13 @@ impl LumpedModel {
     /// still.
     pub fn sliding_ratios(&self) -> impl Iterator<Item = f64> {
         self.contacts.iter().map(|contact| contact.sliding_sign() * self.sliding_friction(contact))
+    }
+
+    /// Lets displacements count from an equilibrium of this model: contacts then have its gaps.
+    pub fn count_from(&mut self, equilibrium: &Equilibrium) {
+        for (contact, gap) in self.contacts.iter_mut().zip(&equilibrium.gap) {
+            contact.gap = *gap;
+        }
     }
 
     /// Number of degrees of freedom, n.

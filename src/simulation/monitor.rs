@@ -119,6 +119,8 @@ mod tests {
         let contact = Contact {
             normal: Direction::unit(1),
             tangent: Direction::unit(0),
+            transverse: None,
+            gap: 0.0,
             friction: friction.into(),
             surface_velocity: 1.0,
         };

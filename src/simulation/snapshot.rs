@@ -88,8 +88,8 @@ impl Snapshot {
             return refuse("its lists do not have the lengths that the scene requires");
         }
         let Progress { reference, motion, clock, rates } = &self.progress;
-        let Equilibrium { displacement, normal_force, friction_force } = &reference.equilibrium;
-        if [displacement, normal_force, friction_force, &reference.load]
+        let Equilibrium { displacement, normal_force, friction_force, gap } = &reference.equilibrium;
+        if [displacement, normal_force, friction_force, gap, &reference.load]
             .into_iter()
             .any(|list| !are_finite(list))
         {
@@ -106,6 +106,9 @@ impl Snapshot {
                 "{name} is in state {}, which the law of contact excludes",
                 motion.contacts[i]
             ));
+        }
+        if gap.iter().any(|gap| *gap < 0.0) {
+            return refuse("a contact is inside its surface in its equilibrium");
         }
         if !law.follows_size() && motion.pulls.contains(&true) {
             return refuse("a contact pulls, which the law of contact excludes");
@@ -136,6 +139,7 @@ impl Snapshot {
             && reference.equilibrium.displacement.len() == dofs
             && reference.equilibrium.normal_force.len() == contacts
             && reference.equilibrium.friction_force.len() == contacts
+            && reference.equilibrium.gap.len() == contacts
     }
 }
 
@@ -161,7 +165,8 @@ impl Simulation {
     /// Returns an error if the snapshot cannot be resumed ([`resume`](Self::resume)); the simulation is then unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         let can_take = snapshot.nominal.differ_in_motion_alone(&self.nominal)
-            && snapshot.is_consistent(&self.scene);
+            && snapshot.is_consistent(&self.scene)
+            && snapshot.progress.reference.equilibrium.gap == self.reference.equilibrium.gap;
         if !can_take {
             *self = Self::resume(snapshot.clone())?;
             return Ok(());
@@ -196,7 +201,8 @@ impl Simulation {
         if let Some(driven) = &mut driven {
             let _ = driven.bring_to([clock.time(); 2], &nominal, &mut scene, |_| {});
         }
-        let model = LumpedModel::from(&scene);
+        let mut model = LumpedModel::from(&scene);
+        model.count_from(&reference.equilibrium);
         let mut resumed = Self::assemble(scene, nominal, driven, model, reference, motion, clock)?;
         resumed.take_over_rates(&rates);
         Ok(resumed)
@@ -204,7 +210,7 @@ impl Simulation {
 }
 
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 11;
+const VERSION: u8 = 12;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;
@@ -444,7 +450,7 @@ mod tests {
         let (dofs, contacts) = (scene.dof_names().len(), scene.contact_count());
         let values = variables(scene).iter().filter(|variable| variable.is_settable()).count();
         let chosen = if scene.selection == Selection::Given { 1 } else { 1 + NUMBER + 1 + NUMBER };
-        let reference = 2 * list(dofs) + 2 * list(contacts);
+        let reference = 2 * list(dofs) + 3 * list(contacts);
         // Entries into the four states, and nine other counters.
         let counts = 4 + 9;
         // For each contact: its state, and whether it pulls.
