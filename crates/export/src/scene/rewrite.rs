@@ -1,7 +1,7 @@
 //! Another method and step, or other initial values, written into a scene file.
 
 use amontons::Error;
-use amontons::scene::{Method, Preset, Scene, Source, Structure};
+use amontons::scene::{Method, Preset, Scene, Source, Structure, Superelement};
 use serde::Serialize;
 use toml_edit::{ArrayOfTables, DocumentMut, Table};
 
@@ -55,11 +55,44 @@ pub fn set_initial(source: &mut Source, scene: &Scene) -> Result<(), Error> {
                 let values = [("x", x), ("y", y), ("vx", vx), ("vy", vy)];
                 add("mass", mass.name.as_str().into(), &values);
             }
+            for one in &network.superelements {
+                for (key, of, values) in superelement_initial(one) {
+                    let values: Vec<(&str, f64)> =
+                        values.iter().map(|(key, value)| (&**key, *value)).collect();
+                    add(key, of.into(), &values);
+                }
+            }
         }
     }
     document.insert("initial", tables.into());
     source.text = document.to_string();
     Ok(())
+}
+
+/// The initial values of a superelement, node by node and mode by mode: key and name of each, and its values.
+fn superelement_initial(one: &Superelement) -> Vec<(&'static str, String, Vec<(String, f64)>)> {
+    let mut all: Vec<(&'static str, String, Vec<(String, f64)>)> = Vec::new();
+    let mut modes = 0;
+    for (row, freedom) in one.matrices.freedoms().iter().enumerate() {
+        let (value, rate) = (one.displacement[row], one.velocity[row]);
+        let axes = ["x", "y", "z", "rx", "ry", "rz"];
+        match axes.get(usize::from(freedom.direction).wrapping_sub(1)) {
+            None => {
+                modes += 1;
+                let values = vec![("q".to_owned(), value), ("v".to_owned(), rate)];
+                all.push(("mode", format!("{}.{modes}", one.name), values));
+            }
+            Some(axis) => {
+                let name = format!("{}.{}", one.name, freedom.node);
+                let values = [((*axis).to_owned(), value), (format!("v{axis}"), rate)];
+                match all.iter_mut().find(|(key, of, _)| *key == "node" && *of == name) {
+                    Some((_, _, known)) => known.extend(values),
+                    None => all.push(("node", name, values.to_vec())),
+                }
+            }
+        }
+    }
+    all
 }
 
 /// The scene file as TOML.

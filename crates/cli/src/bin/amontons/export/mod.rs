@@ -94,7 +94,14 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     let kind = match &scene.structure {
         Structure::Ring(modules) => format!("ring of {} modules", modules.len()),
         Structure::Network(network) => {
-            format!("network of {}", counted(network.masses.len(), "mass", "masses"))
+            let masses = counted(network.masses.len(), "mass", "masses");
+            let superelements =
+                counted(network.superelements.len(), "superelement", "superelements");
+            match (network.masses.is_empty(), network.superelements.is_empty()) {
+                (_, true) => format!("network of {masses}"),
+                (true, false) => format!("network of {superelements}"),
+                (false, false) => format!("network of {masses} and {superelements}"),
+            }
         }
     };
     say!(
