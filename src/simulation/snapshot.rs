@@ -88,7 +88,8 @@ impl Snapshot {
             return refuse("its lists do not have the lengths that the scene requires");
         }
         let Progress { reference, motion, clock, rates } = &self.progress;
-        let Equilibrium { displacement, normal_force, friction_force, gap } = &reference.equilibrium;
+        let Equilibrium { displacement, normal_force, friction_force, gap } =
+            &reference.equilibrium;
         if [displacement, normal_force, friction_force, gap, &reference.load]
             .into_iter()
             .any(|list| !are_finite(list))

@@ -29,6 +29,7 @@ const PACKAGES: [(&str, &[&str]); 5] = [
             "record",
             "journal",
             "output",
+            "patterns",
             "statistics",
             "regions",
             "spectral",

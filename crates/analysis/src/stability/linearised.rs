@@ -97,6 +97,18 @@ impl Linearised {
         resting_state(&self.model)
     }
 
+    /// The states of the contacts in the equilibrium: as at rest, and open where the equilibrium leaves a gap.
+    ///
+    /// # Errors
+    /// Returns an error with the reason if there is no equilibrium.
+    pub fn equilibrium_states(&self) -> Result<Vec<ContactState>, Error> {
+        let gaps = &self.equilibrium()?.gap;
+        let states = self.resting_state().into_iter().zip(gaps);
+        Ok(states
+            .map(|(state, gap)| if *gap > 0.0 { ContactState::Detached } else { state })
+            .collect())
+    }
+
     /// The state of uniform sliding.
     ///
     /// # Errors
