@@ -320,7 +320,7 @@ fn subjects() -> Vec<Subject> {
     let mut subjects = Vec::new();
     for (text, step) in scenes {
         for method in [Method::ForwardIncrement, Method::EventDriven] {
-            let mut source = Source { text: text.clone(), tables: Vec::new() };
+            let mut source = Source::from(text.as_str());
             set_integrator(&mut source, method, step).expect("it has an integrator");
             let folder = folder.join(subjects.len().to_string());
             std::fs::create_dir_all(&folder).expect("there is a folder for temporary files");

@@ -96,7 +96,7 @@ pub struct SceneFile<'a> {
     pub place: String,
     /// Text of the file.
     pub text: String,
-    /// Folder of the CSV files that the scene names.
+    /// Folder of the files that the scene names.
     pub folder: Folder<'a>,
 }
 
@@ -147,10 +147,10 @@ impl<'a> SceneFile<'a> {
         Err(in_file(&problem::error(&problems)))
     }
 
-    /// Returns the text of the file, and those of the CSV files that its scene named.
+    /// Returns the text of the file, those of the CSV files that its scene named, and its packed superelements.
     #[must_use]
     pub fn into_source(self) -> Source {
-        Source { text: self.text, tables: self.folder.texts }
+        Source { text: self.text, tables: self.folder.texts, binaries: self.folder.binaries }
     }
 }
 

@@ -13,6 +13,7 @@
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
 //! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
 //! | `signal`, `signal_file`, `time_table` | values over time that drive inputs |
+//! | `superelement` | structures as matrices, and their packed form |
 //! | `source` | the files a scene is made from |
 //! | `check`, `rule` | checks of a scene; rules for its values |
 //! | `problem` | a problem found in a scene |
@@ -44,6 +45,7 @@ mod selection;
 mod signal;
 mod signal_file;
 mod source;
+mod superelement;
 mod text;
 mod time_table;
 
@@ -63,6 +65,10 @@ pub use rule::Rule;
 pub use selection::{IntegratorChoice, Preset, Selection};
 pub use signal::{Between, Constant, Pulse, Ramp, Shape, Signal, Sine, Table};
 pub use source::{Folder, Source};
+pub use superelement::{
+    Freedom, MAX_FREEDOMS, MatrixFiles, PACKED, Superelement, SuperelementFiles,
+    SuperelementMatrices, UnitFactors,
+};
 pub use time_table::TimeTable;
 
 pub use crate::integrator::Method;

@@ -1,0 +1,461 @@
+//! Superelements: structures as matrices, with a name for each degree of freedom, and their packed form.
+//!
+//! The packed form is what an FMU carries, a file `NAME.superelement`. All numbers are little endian:
+//!
+//! | bytes | content |
+//! | --- | --- |
+//! | 8 | `AMSUPER` and the version, 1 |
+//! | 4 | number n of degrees of freedom |
+//! | 3 | form of mass, stiffness and damping: 0 absent, 1 lower triangle by rows, 2 all rows |
+//! | 9 n | node (8 bytes) and direction (1 byte) of each degree of freedom |
+//! | 8 each | the values of the matrices as doubles, in this order |
+//! | 8 | checksum of all bytes before it (FNV-1a) |
+
+use super::Problem;
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
+
+/// End of the names of packed files, without the point.
+pub const PACKED: &str = "superelement";
+/// The first bytes of a packed file; the last of them is the version.
+const MAGIC: [u8; 8] = *b"AMSUPER\x01";
+/// Largest number of degrees of freedom of a superelement, whose matrices have no zeros.
+pub const MAX_FREEDOMS: usize = 3000;
+
+/// A degree of freedom of a superelement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Freedom {
+    /// Number of the node, or of the mode if it is a modal coordinate.
+    pub node: u64,
+    /// 1, 2, 3: displacement along x, y, z, m; 4, 5, 6: rotation about x, y, z, rad; 0: modal coordinate.
+    pub direction: u8,
+}
+
+/// The matrices of a superelement in SI units, n × n by rows, with a name for each row. They are shared, since scenes
+/// are copied often and matrices do not change.
+#[derive(Clone, PartialEq)]
+pub struct SuperelementMatrices(Arc<Matrices>);
+
+#[derive(PartialEq)]
+struct Matrices {
+    freedoms: Vec<Freedom>,
+    mass: Vec<f64>,
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+}
+
+impl SuperelementMatrices {
+    /// Makes a superelement of its matrices, n × n by rows. `mass` is symmetric and positive definite. `stiffness`
+    /// includes the circulatory part, and `damping` the gyroscopic part and all damping; both may be unsymmetric, and
+    /// `damping` is empty if there is none.
+    ///
+    /// # Errors
+    /// Returns all that is wrong, with the keys `freedoms`, `mass`, `stiffness` and `damping` as paths: no rows, too
+    /// many, a row named twice or in no known direction, another size, numbers that are not finite, a mass matrix that
+    /// is unsymmetric or not positive definite.
+    pub fn new(
+        freedoms: Vec<Freedom>,
+        mass: Vec<f64>,
+        stiffness: Vec<f64>,
+        damping: Vec<f64>,
+    ) -> Result<Self, Vec<Problem>> {
+        let matrices = Matrices { freedoms, mass, stiffness, damping };
+        let problems = matrices.problems();
+        if problems.is_empty() { Ok(Self(Arc::new(matrices))) } else { Err(problems) }
+    }
+
+    /// Number n of degrees of freedom.
+    #[must_use]
+    pub fn dofs(&self) -> usize {
+        self.0.freedoms.len()
+    }
+
+    /// The degrees of freedom, in the order of the rows.
+    #[must_use]
+    pub fn freedoms(&self) -> &[Freedom] {
+        &self.0.freedoms
+    }
+
+    /// The mass matrix, symmetric, kg; n × n by rows.
+    #[must_use]
+    pub fn mass(&self) -> &[f64] {
+        &self.0.mass
+    }
+
+    /// The stiffness matrix with the circulatory part, N/m; n × n by rows.
+    #[must_use]
+    pub fn stiffness(&self) -> &[f64] {
+        &self.0.stiffness
+    }
+
+    /// The matrix of velocities: damping and gyroscopic part, N s/m; n × n by rows, empty if there is none.
+    #[must_use]
+    pub fn damping(&self) -> &[f64] {
+        &self.0.damping
+    }
+
+    /// The row of a node's (or mode's) degree of freedom; `None` if the superelement does not have it.
+    #[must_use]
+    pub fn row(&self, node: u64, direction: u8) -> Option<usize> {
+        self.0.freedoms.iter().position(|one| *one == Freedom { node, direction })
+    }
+
+    /// `true` if the stiffness has no circulatory part.
+    #[must_use]
+    pub fn is_conservative(&self) -> bool {
+        is_symmetric(&self.0.stiffness, self.dofs())
+    }
+
+    /// The packed form, which [`from_bytes`](Self::from_bytes) reads.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let Matrices { freedoms, mass, stiffness, damping } = &*self.0;
+        let n = freedoms.len();
+        let parts = [mass, stiffness, damping].map(|matrix| (Form::of(matrix, n), matrix));
+        let mut bytes = MAGIC.to_vec();
+        // `new` bounds the number.
+        bytes.extend_from_slice(&u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
+        bytes.extend(parts.iter().map(|(form, _)| *form as u8));
+        for Freedom { node, direction } in freedoms {
+            bytes.extend_from_slice(&node.to_le_bytes());
+            bytes.push(*direction);
+        }
+        for (form, matrix) in parts {
+            for (row, values) in matrix.chunks_exact(n).enumerate() {
+                let end = if form == Form::Lower { row + 1 } else { n };
+                bytes.extend(values[..end].iter().flat_map(|value| value.to_le_bytes()));
+            }
+        }
+        let sum = checksum(&bytes);
+        bytes.extend_from_slice(&sum.to_le_bytes());
+        bytes
+    }
+
+    /// Reads the packed form.
+    ///
+    /// # Errors
+    /// Returns why the bytes are not a superelement: another kind of file, another version, damage, or what
+    /// [`new`](Self::new) refuses.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
+        const SHORT: &str = "ends too early: write or copy it once more";
+        if !bytes.starts_with(&MAGIC[..7]) {
+            return Err(
+                "is not a packed superelement; give matrix files as `stiffness` and `mass`".into(),
+            );
+        }
+        let version = bytes.get(7).copied().unwrap_or_default();
+        if version != MAGIC[7] {
+            return Err(format!(
+                "has version {version} of the packed form, but this program reads version 1"
+            ));
+        }
+        let (content, sum) = bytes.split_last_chunk::<8>().ok_or(SHORT)?;
+        if u64::from_le_bytes(*sum) != checksum(content) {
+            return Err(
+                "is damaged: its checksum does not match; write or copy it once more".into()
+            );
+        }
+        let mut rest = Bytes(&content[8..]);
+        let n =
+            usize::try_from(u32::from_le_bytes(rest.take().ok_or(SHORT)?)).unwrap_or(usize::MAX);
+        if n > MAX_FREEDOMS {
+            return Err(too_many(n));
+        }
+        let forms: [u8; 3] = rest.take().ok_or(SHORT)?;
+        let mut freedoms = Vec::with_capacity(n);
+        for _ in 0..n {
+            let node = u64::from_le_bytes(rest.take().ok_or(SHORT)?);
+            let [direction] = rest.take().ok_or(SHORT)?;
+            freedoms.push(Freedom { node, direction });
+        }
+        let mut matrix = |form| rest.matrix(Form::from(form), n).ok_or(SHORT);
+        let [mass, stiffness, damping] = [matrix(forms[0])?, matrix(forms[1])?, matrix(forms[2])?];
+        if !rest.0.is_empty() {
+            return Err(
+                "has more numbers than its matrices need; write or copy it once more".into()
+            );
+        }
+        Self::new(freedoms, mass, stiffness, damping).map_err(|problems| {
+            let all: Vec<String> = problems.iter().map(ToString::to_string).collect();
+            format!("is no superelement: {}", all.join("; "))
+        })
+    }
+}
+
+impl fmt::Debug for SuperelementMatrices {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "SuperelementMatrices({} degrees of freedom)", self.dofs())
+    }
+}
+
+impl Matrices {
+    fn problems(&self) -> Vec<Problem> {
+        let n = self.freedoms.len();
+        if n == 0 {
+            return vec![Problem::new("freedoms", "there is no degree of freedom")];
+        }
+        if n > MAX_FREEDOMS {
+            return vec![
+                Problem::new("freedoms", too_many(n))
+                    .help("reduce the structure first, with `amontons reduce`"),
+            ];
+        }
+        let mut problems = Vec::new();
+        let mut sorted: Vec<(Freedom, usize)> = self.freedoms.iter().copied().zip(1..).collect();
+        sorted.sort_unstable();
+        let twice = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0);
+        if let Some([(Freedom { node, direction }, first), (_, second)]) = twice {
+            let message =
+                format!("rows {first} and {second} are both direction {direction} of node {node}");
+            problems.push(
+                Problem::new("freedoms", message).help("give each row its own node and direction"),
+            );
+        }
+        if let Some(row) = self.freedoms.iter().position(|one| one.direction > 6) {
+            let Freedom { node, direction } = self.freedoms[row];
+            let message = format!("row {} is direction {direction} of node {node}", row + 1);
+            let help = "directions are 1 to 3 (displacements), 4 to 6 (rotations) and 0 (a mode)";
+            problems.push(Problem::new("freedoms", message).help(help));
+        }
+        for (key, matrix, may_lack) in [
+            ("mass", &self.mass, false),
+            ("stiffness", &self.stiffness, false),
+            ("damping", &self.damping, true),
+        ] {
+            if matrix.len() != n * n && !(may_lack && matrix.is_empty()) {
+                let message = format!(
+                    "has {} values, but {n} degrees of freedom need {}",
+                    matrix.len(),
+                    n * n
+                );
+                problems.push(Problem::new(key, message));
+            } else if let Some(at) = matrix.iter().position(|value| !value.is_finite()) {
+                let message =
+                    format!("row {}, column {} must be a finite number", at / n + 1, at % n + 1);
+                problems.push(Problem::new(key, message).of(matrix[at]));
+            }
+        }
+        if problems.is_empty() {
+            problems.extend(self.bad_mass(n));
+        }
+        problems
+    }
+
+    /// Reports a mass matrix that is unsymmetric or not positive definite.
+    fn bad_mass(&self, n: usize) -> Option<Problem> {
+        let mass = &self.mass;
+        let is_unlike = |(i, j): &(usize, usize)| mass[i * n + j] != mass[j * n + i];
+        if let Some((i, j)) = (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).find(is_unlike) {
+            let message = format!(
+                "must be symmetric, but row {}, column {} is {:e} and row {}, column {} is {:e}",
+                i + 1,
+                j + 1,
+                mass[i * n + j],
+                j + 1,
+                i + 1,
+                mass[j * n + i]
+            );
+            return Some(Problem::new("mass", message));
+        }
+        let row = unsupported_row(mass, n)?;
+        let Freedom { node, direction } = self.freedoms[row];
+        let message = format!(
+            "must be positive definite, but gives no mass to some motion of node {node}, direction {direction} (row {})",
+            row + 1
+        );
+        Some(
+            Problem::new("mass", message)
+                .help("give each degree of freedom a mass, or leave out those that have none"),
+        )
+    }
+}
+
+fn too_many(n: usize) -> String {
+    format!("{n} degrees of freedom are too many: a superelement has at most {MAX_FREEDOMS}")
+}
+
+/// The first row at which Cholesky's factor of a symmetric matrix has no positive pivot; `None` if the matrix is
+/// positive definite.
+fn unsupported_row(matrix: &[f64], n: usize) -> Option<usize> {
+    let mut lower = vec![0.0; n * n];
+    for i in 0..n {
+        let (above, row) = lower.split_at_mut(i * n);
+        for j in 0..i {
+            let other = &above[j * n..=j * n + j];
+            let known = row[..j].iter().zip(other).fold(0.0, |sum, (a, b)| sum + a * b);
+            row[j] = (matrix[i * n + j] - known) / other[j];
+        }
+        let known = row[..i].iter().fold(0.0, |sum, a| sum + a * a);
+        let pivot = matrix[i * n + i] - known;
+        // Below rounding nothing is left of the row's mass.
+        if pivot.is_nan() || pivot <= f64::EPSILON * matrix[i * n + i].abs() {
+            return Some(i);
+        }
+        row[i] = pivot.sqrt();
+    }
+    None
+}
+
+fn is_symmetric(matrix: &[f64], n: usize) -> bool {
+    (0..n).all(|i| (0..i).all(|j| matrix[i * n + j] == matrix[j * n + i]))
+}
+
+/// How a matrix is packed.
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    Absent = 0,
+    Lower = 1,
+    Full = 2,
+}
+
+impl Form {
+    fn of(matrix: &[f64], n: usize) -> Self {
+        if matrix.is_empty() {
+            Self::Absent
+        } else if is_symmetric(matrix, n) {
+            Self::Lower
+        } else {
+            Self::Full
+        }
+    }
+}
+
+impl From<u8> for Form {
+    /// Every byte above 1 counts as 2.
+    fn from(byte: u8) -> Self {
+        match byte {
+            0 => Self::Absent,
+            1 => Self::Lower,
+            _ => Self::Full,
+        }
+    }
+}
+
+/// Bytes that have not been read yet.
+struct Bytes<'a>(&'a [u8]);
+
+impl Bytes<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    fn matrix(&mut self, form: Form, n: usize) -> Option<Vec<f64>> {
+        if form == Form::Absent {
+            return Some(Vec::new());
+        }
+        let mut matrix = vec![0.0; n * n];
+        for row in 0..n {
+            let end = if form == Form::Lower { row + 1 } else { n };
+            for column in 0..end {
+                let value = f64::from_le_bytes(self.take()?);
+                matrix[row * n + column] = value;
+                if form == Form::Lower {
+                    matrix[column * n + row] = value;
+                }
+            }
+        }
+        Some(matrix)
+    }
+}
+
+/// The hash FNV-1a of 64 bits, <http://www.isthe.com/chongo/tech/comp/fnv/>.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xCBF2_9CE4_8422_2325, |sum, byte| {
+        (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3)
+    })
+}
+
+/// A superelement of a network.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Superelement {
+    /// Name of the superelement.
+    pub name: String,
+    /// Its matrices.
+    pub matrices: SuperelementMatrices,
+    /// Constant load on each degree of freedom, N (N m for rotations); part of the load of the equilibrium.
+    pub load: Vec<f64>,
+    /// External force on each degree of freedom, N (N m for rotations); not part of the equilibrium.
+    pub force: Vec<f64>,
+    /// Initial displacement of each degree of freedom from the equilibrium, m (rad for rotations).
+    pub displacement: Vec<f64>,
+    /// Initial velocity of each degree of freedom, m/s (rad/s for rotations).
+    pub velocity: Vec<f64>,
+}
+
+impl Superelement {
+    /// A superelement without loads that starts at rest in the equilibrium.
+    #[must_use]
+    pub fn new(name: impl Into<String>, matrices: SuperelementMatrices) -> Self {
+        let zeros = vec![0.0; matrices.dofs()];
+        let [load, force, displacement] = [zeros.clone(), zeros.clone(), zeros.clone()];
+        Self { name: name.into(), matrices, load, force, displacement, velocity: zeros }
+    }
+}
+
+/// A `[[superelement]]` whose matrices are in files of other programs, as its table has it. Paths are relative to the
+/// folder of the scene file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SuperelementFiles {
+    /// Name of the superelement.
+    pub name: String,
+    /// Folder that `amontons reduce` wrote, with `stiffness.mtx`, `mass.mtx` and `freedoms.csv`; in place of `stiffness`
+    /// and `mass`.
+    pub folder: Option<String>,
+    /// File of the stiffness matrix.
+    pub stiffness: Option<String>,
+    /// File of the mass matrix.
+    pub mass: Option<String>,
+    /// CSV file of nodes and directions of the rows.
+    pub freedoms: Option<String>,
+    /// File of a damping matrix.
+    pub damping: Option<String>,
+    /// File of the gyroscopic matrix, which is added to the damping.
+    pub gyroscopic: Option<String>,
+    /// File of the circulatory matrix, which is added to the stiffness.
+    pub circulatory: Option<String>,
+    /// Mass-proportional damping α of the superelement, 1/s.
+    pub alpha: f64,
+    /// Stiffness-proportional damping β of the superelement, s; without the circulatory part.
+    pub beta: f64,
+    /// Damping ratios of the modes of the free superelement, by frequency: none, one for all modes, or one for each of
+    /// the first modes.
+    pub damping_ratio: Vec<f64>,
+    /// Units of the files.
+    pub units: UnitFactors,
+}
+
+/// Units of matrix files, as factors to SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnitFactors {
+    /// The unit of length, m.
+    pub length: f64,
+    /// The unit of mass, kg.
+    pub mass: f64,
+    /// The unit of time, s.
+    pub time: f64,
+}
+
+impl Default for UnitFactors {
+    /// SI units.
+    fn default() -> Self {
+        Self { length: 1.0, mass: 1.0, time: 1.0 }
+    }
+}
+
+/// A reader of matrix files, which programs give a [`Folder`](super::Folder). The library inside an FMU has none, since an FMU carries
+/// packed superelements.
+pub trait MatrixFiles {
+    /// Reads the files of one superelement; `folder` is that of the scene file.
+    ///
+    /// # Errors
+    /// Returns all that is wrong; the path of each problem is a key of the table (`stiffness`), or empty for the
+    /// table itself.
+    fn read(
+        &self,
+        folder: &Path,
+        files: &SuperelementFiles,
+    ) -> Result<SuperelementMatrices, Vec<Problem>>;
+}
