@@ -4,7 +4,7 @@
 //!
 //! | module | contents |
 //! | --- | --- |
-//! | [`numerics`] | bisection; the norm and the range of values |
+//! | [`numerics`] | bisection; the norm and the range of values; complementarity |
 //! | [`decimal`] | significant digits, and the series 1, 2, 5 |
 //! | [`error`] | the one error type |
 //! | [`contact`] | contact states and the Signorini–Coulomb law of one contact |

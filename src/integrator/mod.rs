@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// Displacement x, m, relative to the reference position; closed contacts have a gap of exactly zero.
+    /// Displacement x, m, relative to the reference position; closed contacts have a gap g + G_N x of exactly zero.
     pub displacement: Vec<f64>,
     /// Velocity ẋ, m/s.
     pub velocity: Vec<f64>,

@@ -1,12 +1,21 @@
 //! Static equilibrium in uniform sliding.
 
 use super::banded::{self, Singular};
-use super::{Entry, LumpedModel, ring};
+use super::closing::{Condensed, Others, Unheld};
+use super::{Contact, Entry, LumpedModel, ring};
 use crate::Error;
+use crate::contact::ContactState;
 use crate::numerics::bisect;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
-/// A static equilibrium with every contact closed.
+/// A closed contact pulls, or an open one is inside its surface, from this part of the largest force or of the terms of
+/// its gap on.
+const COARSE: f64 = 1e-9;
+/// A gap below this part of its terms is the rounding of zero.
+const FINE: f64 = 1e-12;
+
+/// A static equilibrium in uniform sliding: each contact is closed and slides, or is open.
 ///
 /// ```
 /// use amontons::assembly::equilibrium;
@@ -34,16 +43,21 @@ pub struct Equilibrium {
 }
 
 impl LumpedModel {
-    /// The equilibrium in uniform sliding, K X = F + Σ (G_N + s µ G_T)ᵀ N, G_N X = 0, where s is
-    /// the sign of the velocity of the contact's surface: with v > 0 it is in Sl, with v < 0 in R-Sl. With
-    /// v = 0 it does not slide; it starts stuck, without friction force (s = 0).
+    /// The equilibrium in uniform sliding, K X = F + Σ (G_N + s µ G_T)ᵀ N, 0 ≤ g ⊥ N ≥ 0 with the gaps g of the
+    /// contacts, where s is the sign of the velocity of the contact's surface: with v > 0 it is in Sl, with v < 0 in
+    /// R-Sl. With v = 0 it does not slide; it starts stuck, without friction force (s = 0). Contacts that cannot open
+    /// are closed, g = 0, whatever the sign of N.
+    ///
+    /// Friction may allow several such equilibria ([`uniqueness`](Self::uniqueness)): that with all contacts closed is
+    /// taken where it is one of them.
     ///
     /// Equal modules of a ring move as one, so one is solved for all: they then are in equal states to the last bit,
     /// which a solution of the whole, with its rounding, would not give.
     ///
     /// # Errors
-    /// Returns an error with the contact, as `name` calls it, that opens under the load; or with the friction
-    /// coefficient above which the structure jams; or with a motion that no spring holds.
+    /// Returns an error with the friction coefficient above which the structure jams, and the contact that does, as
+    /// `name` calls it; or that the load pulls a structure off that springs do not hold; or with the contact that would
+    /// have to pull although it cannot open.
     pub fn equilibrium(&self, name: &dyn Fn(usize) -> String) -> Result<Equilibrium, Error> {
         let Some(one) = ring::one_of_equal_modules(self) else {
             return self.sliding_equilibrium(name);
@@ -60,10 +74,90 @@ impl LumpedModel {
 
     fn sliding_equilibrium(&self, name: &dyn Fn(usize) -> String) -> Result<Equilibrium, Error> {
         let slopes: Vec<f64> = self.sliding_ratios().collect();
+        if let Some(contact) = self.contacts.iter().position(|contact| contact.gap > 0.0)
+            && !self.law.detachment
+        {
+            return Err(Error::equilibrium(format!(
+                "no equilibrium: {} has a gap, but contacts cannot open in this scene; leave the gap out, or let contacts \
+                 open (effects.detachment)",
+                name(contact)
+            )));
+        }
         match self.solve(&slopes, &self.load) {
             // Friction that can stick follows |N|, which this linear solution does not include.
             Ok(found) if found.pulled_contact().is_none() || self.may_pull(&slopes) => Ok(found),
-            found => Err(self.explain_missing_equilibrium(&slopes, &found, name)),
+            _ if self.law.detachment => self.equilibrium_with_openings(&slopes, name),
+            found => Err(self.explain_pulling(&slopes, &found, name)),
+        }
+    }
+
+    /// The equilibrium in which some contacts are open.
+    fn equilibrium_with_openings(
+        &self,
+        slopes: &[f64],
+        name: &dyn Fn(usize) -> String,
+    ) -> Result<Equilibrium, Error> {
+        let condensed = Condensed::new(self);
+        let problem = condensed.with_friction(slopes).map_err(|Unheld| mechanism())?;
+        match problem.closed() {
+            Some(closed) => {
+                let found = self.with_closed(&closed, slopes).map_err(|Singular| mechanism())?;
+                found.ok_or_else(|| {
+                    Error::equilibrium(
+                        "no equilibrium: the contacts that the load closes cannot be told from those that it opens, since \
+                         the stiffnesses of the structure differ too much; bring them nearer to each other",
+                    )
+                })
+            }
+            None => Err(self.explain_jamming(&condensed, slopes, name)),
+        }
+    }
+
+    /// The equilibrium with these contacts closed; `None` where one of them pulls, or an open one is inside its surface,
+    /// by more than rounding.
+    fn with_closed(&self, closed: &[bool], slopes: &[f64]) -> Result<Option<Equilibrium>, Singular> {
+        let mut found = self.solve_closed(closed, slopes, &self.load, |contact| contact.gap)?;
+        let pressed = found.normal_force.iter().fold(0.0, |most, force| f64::max(most, *force));
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let terms = contact.normal.0.iter().map(|&(dof, n)| (n * found.displacement[dof]).abs());
+            let length = terms.fold(contact.gap, |sum, term| sum + term);
+            let (force, gap) = (&mut found.normal_force[i], &mut found.gap[i]);
+            if *force < -COARSE * pressed || *gap < -COARSE * length {
+                return Ok(None);
+            }
+            // A contact that only touches is closed.
+            *force = force.max(0.0);
+            if *gap <= FINE * length {
+                *gap = 0.0;
+            }
+            found.friction_force[i] = slopes[i] * *force;
+        }
+        Ok(Some(found))
+    }
+
+    /// What is known of other equilibria than this one, in which other contacts are closed. Contacts that can open are
+    /// examined; the others have one equilibrium.
+    ///
+    /// Without friction there is one. With friction there is one if it is weak enough (the symmetric part of the matrix
+    /// of the complementarity problem is positive definite). Of up to ten contacts all patterns are tried, of more
+    /// some.
+    #[must_use]
+    pub fn uniqueness(&self, found: &Equilibrium) -> Uniqueness {
+        let slopes: Vec<f64> = self.sliding_ratios().collect();
+        if !self.law.detachment || self.contacts.is_empty() {
+            return Uniqueness::One;
+        }
+        let Ok(problem) = Condensed::new(self).with_friction(&slopes) else {
+            return Uniqueness::Unknown;
+        };
+        let closed: Vec<bool> = found.gap.iter().map(|gap| *gap == 0.0).collect();
+        match problem.others(&closed) {
+            Others::None => Uniqueness::One,
+            Others::Unknown => Uniqueness::Unknown,
+            Others::Closed(closed) => match self.with_closed(&closed, &slopes) {
+                Ok(Some(other)) => Uniqueness::Several(other),
+                _ => Uniqueness::Unknown,
+            },
         }
     }
 
@@ -75,8 +169,8 @@ impl LumpedModel {
     }
 
     /// Changes of the contact forces of the equilibrium in uniform sliding: (dN, dT) of each contact, N, for changes of
-    /// the load, N, and of the signed friction coefficients `slopes` = T/N, where the contacts press with
-    /// `normal_force`, N. The map is linear: K dX = dF + Σ (G_N + s µ G_T)ᵀ dN + G_Tᵀ N d(s µ), G_N dX = 0.
+    /// the load, N, and of the signed friction coefficients `slopes` = T/N, in this equilibrium. Open contacts stay open.
+    /// The map is linear: K dX = dF + Σ (G_N + s µ G_T)ᵀ dN + G_Tᵀ N d(s µ), G_N dX = 0.
     ///
     /// # Errors
     /// Returns an error if there is no equilibrium.
@@ -85,13 +179,14 @@ impl LumpedModel {
         mut load: Vec<f64>,
         slopes: &[f64],
         slope_changes: &[f64],
-        normal_force: &[f64],
+        here: &Equilibrium,
     ) -> Result<Vec<[f64; 2]>, Error> {
-        let weakened = || normal_force.iter().zip(slope_changes).map(|(force, by)| force * by);
+        let weakened = || here.normal_force.iter().zip(slope_changes).map(|(force, by)| force * by);
         for (contact, change) in self.contacts.iter().zip(weakened()) {
             contact.tangent.add_to(&mut load, change);
         }
-        let found = self.solve(slopes, &load).map_err(|_| {
+        let closed: Vec<bool> = (0..self.contacts.len()).map(|i| here.is_closed(i)).collect();
+        let found = self.solve_closed(&closed, slopes, &load, |_| 0.0).map_err(|_| {
             Error::equilibrium("the equilibrium has no derivative where a structure jams")
         })?;
         let forces = found.normal_force.into_iter().zip(found.friction_force);
@@ -101,13 +196,25 @@ impl LumpedModel {
     /// Solves for the equilibrium with all contacts closed and sliding, with the signed friction coefficients `slopes`
     /// = T/N, under this load, N.
     fn solve(&self, slopes: &[f64], load: &[f64]) -> Result<Equilibrium, Singular> {
+        self.solve_closed(&vec![true; self.contacts.len()], slopes, load, |contact| contact.gap)
+    }
+
+    /// Solves for the equilibrium with these contacts closed and sliding, and the others open, whatever the signs of
+    /// forces and gaps. `apart` is the gap of a contact, m, where nothing is displaced.
+    fn solve_closed(
+        &self,
+        closed: &[bool],
+        slopes: &[f64],
+        load: &[f64],
+        apart: impl Fn(&Contact) -> f64,
+    ) -> Result<Equilibrium, Singular> {
         let dofs = self.dofs();
-        let size = dofs + self.contacts.len();
         let mut entries: Vec<Entry> = self.stiffness.entries().collect();
+        let mut load = load.to_vec();
         // In the unit of a stiffness the border is of the size of the rest, which pivoting needs.
         let unit = entries.iter().fold(0.0_f64, |unit, entry| unit.max(entry.2.abs()));
-        for (i, (contact, slope)) in self.contacts.iter().zip(slopes).enumerate() {
-            let multiplier = dofs + i;
+        for ((contact, slope), _) in self.contacts.iter().zip(slopes).zip(closed).filter(|c| *c.1) {
+            let multiplier = load.len();
             for &(dof, value) in &contact.normal.0 {
                 entries.push((multiplier, dof, unit * value));
                 entries.push((dof, multiplier, -unit * value));
@@ -115,40 +222,73 @@ impl LumpedModel {
             for &(dof, value) in &contact.tangent.0 {
                 entries.push((dof, multiplier, -unit * (slope * value)));
             }
+            load.push(0.0 - unit * apart(contact));
         }
-        let mut load = load.to_vec();
-        load.resize(size, 0.0);
-        let mut displacement = banded::solve(size, &entries, &load)?;
-        let normal_force: Vec<f64> =
-            displacement.split_off(dofs).into_iter().map(|multiplier| unit * multiplier).collect();
+        let mut displacement = banded::solve(load.len(), &entries, &load)?;
+        let mut multipliers = displacement.split_off(dofs).into_iter();
+        let normal_force: Vec<f64> = closed
+            .iter()
+            .map(|closed| if *closed { unit * multipliers.next().unwrap_or(0.0) } else { 0.0 })
+            .collect();
         let friction_force = slopes.iter().zip(&normal_force).map(|(slope, n)| slope * n).collect();
-        let gap = vec![0.0; normal_force.len()];
+        let gap = self.contacts.iter().zip(closed).map(|(contact, closed)| {
+            if *closed { 0.0 } else { apart(contact) + contact.normal.dot(&displacement) }
+        });
+        let gap = gap.collect();
         Ok(Equilibrium { displacement, normal_force, friction_force, gap })
     }
 
-    /// Explains why there is no equilibrium at these µ. Looks for the largest part of them that has one: where the
-    /// equilibrium is lost, a normal force that falls to zero is a contact that opens, one that grows without bound is
-    /// jamming.
-    fn explain_missing_equilibrium(
+    /// Explains why no contacts that can open carry the load at these µ. Looks for the largest part of them at which
+    /// some do: where the equilibrium is lost, a normal force that grows without bound is jamming.
+    fn explain_jamming(
+        &self,
+        condensed: &Condensed,
+        slopes: &[f64],
+        name: &dyn Fn(usize) -> String,
+    ) -> Error {
+        let exists = |part: f64| {
+            let part: Vec<f64> = slopes.iter().map(|slope| part * slope).collect();
+            let problem = condensed.with_friction(&part).ok()?;
+            problem.forces(&problem.closed()?)
+        };
+        let Some(Lost { last, start, part }) = lost(exists) else {
+            return Error::equilibrium(
+                "no equilibrium in sliding: the load pulls the structure off its contacts, and springs do not hold it in all \
+                 its motions; press it on by a preload or a force, or hold it by a spring",
+            );
+        };
+        let limit = Limit::of(slopes, jammed(&last, &start).unwrap_or(0), part);
+        match jammed(&last, &start) {
+            Some(contact) => limit.jams(&name(contact)),
+            None => Error::equilibrium(format!(
+                "no equilibrium in sliding with {limit}: none is found from {:.6} on, where a contact opens or closes; \
+                 lower the coefficient, or press the contacts on",
+                limit.value
+            )),
+        }
+    }
+
+    /// Explains why contacts that cannot open have no equilibrium in which none pulls at these µ. Looks for the largest
+    /// part of them that has one: where the equilibrium is lost, a normal force that falls to zero is a contact that
+    /// would open, one that grows without bound is jamming.
+    fn explain_pulling(
         &self,
         slopes: &[f64],
         found: &Result<Equilibrium, Singular>,
         name: &dyn Fn(usize) -> String,
     ) -> Error {
-        const GRID: u32 = 256;
         let solve = |part: f64| {
             let part: Vec<f64> = slopes.iter().map(|slope| part * slope).collect();
             self.solve(&part, &self.load)
         };
         if solve(0.0).is_err() {
-            return Error::equilibrium(
-                "no equilibrium: the structure can move without straining a spring, or its contacts \
-                 are redundant; restrain every motion by a stiffness above zero, and only once",
-            );
+            return mechanism();
         }
-        let exists = |part: f64| solve(part).ok().filter(|found| found.pulled_contact().is_none());
-        let below = (0..GRID).rev().map(|i| f64::from(i) / f64::from(GRID));
-        let Some(known) = below.into_iter().find(|&part| exists(part).is_some()) else {
+        let exists = |part: f64| {
+            let found = solve(part).ok().filter(|found| found.pulled_contact().is_none())?;
+            Some(found.normal_force)
+        };
+        let Some(Lost { last, start, part }) = lost(exists) else {
             let pulled = found.as_ref().ok().and_then(Equilibrium::pulled_contact);
             let (contact, force) = pulled.unwrap_or((0, 0.0));
             return Error::equilibrium(format!(
@@ -158,36 +298,120 @@ impl LumpedModel {
                 -force
             ));
         };
-        let start = exists(known).expect("just found");
-        let [good, _] = bisect(known, 1.0, |part| exists(part).is_some());
-        let last = exists(good).expect("an equilibrium exists on this side");
-        let grown = last.normal_force.iter().zip(&start.normal_force);
-        let grown = grown.map(|(last, start)| last / start).enumerate();
-        let grown = grown.max_by(|a, b| a.1.total_cmp(&b.1));
-        let lightest = last.normal_force.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-        let jams = grown.filter(|&(_, growth)| growth > 1e6).map(|(contact, _)| contact);
+        let jams = jammed(&last, &start);
+        let lightest = last.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
         let contact = jams.or(lightest.map(|(contact, _)| contact)).unwrap_or(0);
-        let friction = slopes.get(contact).map_or(0.0, |slope| slope.abs());
-        let (limit, name) = (good * friction, name(contact));
-        // Contacts of different µ share a limit only where they keep their proportions.
-        let differ = slopes.iter().any(|slope| slope.abs() != friction);
-        let common = if differ { " (and the others in proportion)" } else { "" };
-        Error::equilibrium(match jams {
-            Some(_) => format!(
-                "no equilibrium in sliding with a friction coefficient of {friction}{common}: {name} jams \
-                 from {limit:.6} on, where friction draws it into the slider; \
-                 lower the coefficient or turn slider.angle"
-            ),
-            None => format!(
-                "no equilibrium in sliding with a friction coefficient of {friction}{common}: friction \
-                 lifts {name} off from {limit:.6} on; press it on, or lower the \
-                 coefficient"
-            ),
-        })
+        let (limit, name) = (Limit::of(slopes, contact, part), name(contact));
+        match jams {
+            Some(_) => limit.jams(&name),
+            None => Error::equilibrium(format!(
+                "no equilibrium in sliding with {limit}: friction lifts {name} off from {:.6} on; press it on, or lower the \
+                 coefficient",
+                limit.value
+            )),
+        }
     }
 }
 
+/// The error of a structure that neither springs nor contacts hold, or that contacts hold twice.
+fn mechanism() -> Error {
+    Error::equilibrium(
+        "no equilibrium: the structure can move without straining a spring, or its contacts \
+         are redundant; restrain every motion by a stiffness above zero, and only once",
+    )
+}
+
+/// Normal forces beside the place where an equilibrium is lost as friction grows.
+struct Lost {
+    /// The largest part of the friction coefficients with an equilibrium.
+    part: f64,
+    /// Forces there.
+    last: Vec<f64>,
+    /// Forces below.
+    start: Vec<f64>,
+}
+
+/// Looks for the largest part of the friction coefficients, below all of them, at which there are normal forces; `None`
+/// if there are none at any.
+fn lost(exists: impl Fn(f64) -> Option<Vec<f64>>) -> Option<Lost> {
+    const GRID: u32 = 256;
+    let mut below = (0..GRID).rev().map(|i| f64::from(i) / f64::from(GRID));
+    let (known, start) = below.find_map(|part| Some((part, exists(part)?)))?;
+    let [part, _] = bisect(known, 1.0, |part| exists(part).is_some());
+    let last = exists(part).unwrap_or_else(|| start.clone());
+    Some(Lost { part, last, start })
+}
+
+/// The contact whose normal force grows without bound where an equilibrium is lost.
+fn jammed(last: &[f64], start: &[f64]) -> Option<usize> {
+    let grown = last.iter().zip(start).map(|(last, start)| last / start).enumerate();
+    let grown = grown.max_by(|a, b| a.1.total_cmp(&b.1));
+    grown.filter(|&(_, growth)| growth > 1e6).map(|(contact, _)| contact)
+}
+
+/// A friction coefficient that is too large, and its limit.
+struct Limit {
+    friction: f64,
+    /// The largest possible coefficient.
+    value: f64,
+    /// Contacts of different µ share a limit only where they keep their proportions.
+    differ: bool,
+}
+
+impl Limit {
+    fn of(slopes: &[f64], contact: usize, part: f64) -> Self {
+        let friction = slopes.get(contact).map_or(0.0, |slope| slope.abs());
+        let differ = slopes.iter().any(|slope| slope.abs() != friction);
+        Self { friction, value: part * friction, differ }
+    }
+
+    fn jams(&self, name: &str) -> Error {
+        Error::equilibrium(format!(
+            "no equilibrium in sliding with {self}: {name} jams \
+             from {:.6} on, where friction draws it into the slider; \
+             lower the coefficient or turn slider.angle",
+            self.value
+        ))
+    }
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let common = if self.differ { " (and the others in proportion)" } else { "" };
+        write!(f, "a friction coefficient of {}{common}", self.friction)
+    }
+}
+
+/// What is known of the number of equilibria in uniform sliding.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Uniqueness {
+    /// There is one.
+    One,
+    /// There is another one, in which other contacts are closed.
+    Several(Equilibrium),
+    /// No other one was found, which proves nothing.
+    Unknown,
+}
+
 impl Equilibrium {
+    /// `true` if a contact is closed; one that only touches is.
+    #[must_use]
+    pub fn is_closed(&self, contact: usize) -> bool {
+        self.gap[contact] == 0.0
+    }
+
+    /// The state of each contact of the model whose equilibrium this is: Dt where it is open; otherwise Sl or R-Sl by the
+    /// velocity of its surface, and St where that is zero.
+    #[must_use]
+    pub fn states(&self, model: &LumpedModel) -> Vec<ContactState> {
+        let contacts = model.contacts.iter().zip(&self.gap);
+        contacts
+            .map(|(contact, gap)| {
+                if *gap > 0.0 { ContactState::Detached } else { contact.resting_state() }
+            })
+            .collect()
+    }
+
     /// The first contact that would have to pull, with its normal force.
     fn pulled_contact(&self) -> Option<(usize, f64)> {
         let mut normal = self.normal_force.iter().copied().enumerate();

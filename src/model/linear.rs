@@ -1,6 +1,6 @@
 //! The linear model of each contact state, whose eigenvalues are sought.
 
-use super::{Equilibrium, LumpedModel};
+use super::{Contact, Direction, Equilibrium, LumpedModel};
 use crate::Error;
 
 /// A lumped model whose friction is linear in uniform sliding. It borrows the model, so the model cannot change
@@ -44,6 +44,9 @@ pub struct SlidingFriction {
     /// N dµ/d|v_r|, N s/m: the contribution of friction to damping along the tangent; below zero where µ falls with the
     /// slip velocity.
     pub damping: f64,
+    /// µ N / |v|, N s/m: the damping across the sliding direction, since friction has the direction of the slip. Zero
+    /// unless the contact has a [transverse](crate::model::Contact::transverse) direction.
+    pub transverse: f64,
 }
 
 impl LumpedModel {
@@ -54,18 +57,27 @@ impl LumpedModel {
         LinearModel { model: self, friction }
     }
 
-    /// The model without an equilibrium, which its linear equations need only where µ depends on the slip velocity.
+    /// The model without an equilibrium, where its linear equations do not need one.
     ///
     /// # Errors
-    /// Returns an error if µ depends on the slip velocity.
+    /// Returns an error if they do ([`needs_equilibrium`](Self::needs_equilibrium)).
     pub fn linear(&self) -> Result<LinearModel<'_>, Error> {
-        if self.law.friction.info().is_constant() {
-            Ok(LinearModel { model: self, friction: Linearisation::Constant })
-        } else {
-            Err(Error::equilibrium(
-                "friction that depends on the slip velocity can be linearised only about an equilibrium, and there is none",
-            ))
+        if !self.needs_equilibrium() {
+            return Ok(LinearModel { model: self, friction: Linearisation::Constant });
         }
+        Err(Error::equilibrium(if self.law.friction.info().is_constant() {
+            "friction across the sliding direction can be linearised only about an equilibrium, and there is none"
+        } else {
+            "friction that depends on the slip velocity can be linearised only about an equilibrium, and there is none"
+        }))
+    }
+
+    /// `true` if the linear equations depend on the normal forces of an equilibrium: where µ depends on the slip velocity,
+    /// or friction across the sliding direction is asked for.
+    #[must_use]
+    pub fn needs_equilibrium(&self) -> bool {
+        let across = |contact: &Contact| contact.transverse.is_some();
+        !self.law.friction.info().is_constant() || self.contacts.iter().any(across)
     }
 
     /// The model with the greatest µ that each contact can have in slip, and without a slope: for limits that hold
@@ -103,7 +115,26 @@ impl<'a> LinearModel<'a> {
             Linearisation::Greatest => law.greatest_in_slip(here.friction),
             _ => model.sliding_friction(here),
         };
-        SlidingFriction { coefficient, damping }
+        let speed = here.surface_velocity.abs();
+        let transverse = match friction {
+            Linearisation::About(normal_force) if here.transverse.is_some() && speed > 0.0 => {
+                coefficient * normal_force[contact] / speed
+            }
+            _ => 0.0,
+        };
+        SlidingFriction { coefficient, damping, transverse }
+    }
+
+    /// What friction adds to the damping where contacts slide: the contact, a direction b and the coefficient c, N s/m, of
+    /// c b bᵀ.
+    pub fn friction_damping(self) -> impl Iterator<Item = (usize, &'a Direction, f64)> + 'a {
+        self.model.contacts.iter().zip(self.friction()).enumerate().flat_map(
+            |(i, (contact, friction))| {
+                let along = Some((i, &contact.tangent, friction.damping));
+                let across = contact.transverse.as_ref().map(|b| (i, b, friction.transverse));
+                along.into_iter().chain(across).filter(|part| part.2 != 0.0)
+            },
+        )
     }
 
     /// The linear model of another structure with the friction of this model's contacts; it has all of them or the
@@ -162,7 +193,7 @@ mod tests {
         model.law.friction = Law::Stribeck;
         model = model
             .with_friction(Friction { stribeck_velocity: 0.1, ..Friction::with_static(0.4, 1.96) });
-        assert_eq!(stands(&model), SlidingFriction { coefficient: 0.0, damping: 0.0 });
+        assert_eq!(stands(&model), SlidingFriction { coefficient: 0.0, damping: 0.0, transverse: 0.0 });
         model.law.sticking = true;
         assert!(stands(&model).coefficient == 1.96 && stands(&model).damping < 0.0);
     }

@@ -3,18 +3,19 @@
 //! M ẍ + C ẋ + K x = F + Σ (G_Nᵀ N + G_Tᵀ T) over the contacts (paper, eq. 1), C = α M + β K + D.
 
 mod banded;
+mod closing;
 mod equilibrium;
 mod linear;
 mod reduced;
 pub mod ring;
 mod sparse;
 
-pub use equilibrium::Equilibrium;
+pub use equilibrium::{Equilibrium, Uniqueness};
 pub use linear::{LinearModel, SlidingFriction};
 pub use reduced::ReducedMatrices;
 pub use sparse::{Entry, SparseMatrix};
 
-use crate::contact::{ContactLaw, Friction};
+use crate::contact::{ContactLaw, ContactState, Friction};
 
 /// A structure of masses and springs with frictional contacts, linear but for its contacts.
 ///
@@ -82,6 +83,29 @@ impl Contact {
             gap: 0.0,
             friction: Friction::from(0.0),
             surface_velocity: 0.0,
+        }
+    }
+
+    /// The gap at these displacements, m.
+    #[must_use]
+    pub fn gap_at(&self, displacement: &[f64]) -> f64 {
+        self.gap + self.normal.dot(displacement)
+    }
+
+    /// The displacement along a normal of one degree of freedom at which the contact is closed, m: its gap is then an exact
+    /// zero.
+    pub(crate) fn closed_place(&self) -> f64 {
+        0.0 - self.gap
+    }
+
+    /// The state in which the contact, closed, can be at rest in the frame of the structure: it slides by the sign of the
+    /// velocity of its surface, and sticks where that is zero.
+    #[must_use]
+    pub fn resting_state(&self) -> ContactState {
+        match self.surface_velocity {
+            v if v > 0.0 => ContactState::Slide,
+            v if v < 0.0 => ContactState::ReverseSlide,
+            _ => ContactState::Stick,
         }
     }
 
@@ -165,6 +189,13 @@ impl LumpedModel {
     /// still.
     pub fn sliding_ratios(&self) -> impl Iterator<Item = f64> {
         self.contacts.iter().map(|contact| contact.sliding_sign() * self.sliding_friction(contact))
+    }
+
+    /// Lets displacements count from an equilibrium of this model: contacts then have its gaps.
+    pub fn count_from(&mut self, equilibrium: &Equilibrium) {
+        for (contact, gap) in self.contacts.iter_mut().zip(&equilibrium.gap) {
+            contact.gap = *gap;
+        }
     }
 
     /// Number of degrees of freedom, n.

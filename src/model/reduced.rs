@@ -60,12 +60,11 @@ impl LinearModel<'_> {
         if !model.dampers.is_empty() {
             damping += &tests * dense(&model.dampers) * &motions;
         }
-        for ((contact, state), friction) in sliding() {
-            if friction.damping != 0.0 && state.sliding_direction().is_some() {
-                let mut tangent = DVector::zeros(dofs);
-                contact.tangent.0.iter().for_each(|&(dof, value)| tangent[dof] = value);
-                damping +=
-                    (&tests * &tangent) * (tangent.transpose() * &motions) * friction.damping;
+        for (contact, direction, coefficient) in self.friction_damping() {
+            if states[contact].sliding_direction().is_some() {
+                let mut along = DVector::zeros(dofs);
+                direction.0.iter().for_each(|&(dof, value)| along[dof] = value);
+                damping += (&tests * &along) * (along.transpose() * &motions) * coefficient;
             }
         }
         Some(ReducedMatrices { mass, damping, stiffness, motions })
@@ -75,9 +74,7 @@ impl LinearModel<'_> {
     /// of the state then have no common eigenvectors. A damper on masses that contacts hold does nothing.
     #[must_use]
     pub fn has_single_damping_in(self, states: &[ContactState]) -> bool {
-        let slides = |state: &ContactState| state.sliding_direction().is_some();
-        let mut contacts = self.friction().zip(states);
-        if contacts.any(|(friction, state)| friction.damping != 0.0 && slides(state)) {
+        if self.friction_damping().any(|part| states[part.0].sliding_direction().is_some()) {
             return true;
         }
         let model = self.model();

@@ -4,7 +4,7 @@
 //!
 //! * x1, x2: mass m1, horizontal (right) and vertical (up);
 //! * x3, x4: mass m2, along the slider's tangent t = (cos θ, sin θ) and outward normal
-//!   n = (−sin θ, cos θ); the contact is closed at x4 = 0.
+//!   n = (−sin θ, cos θ); a contact without a gap in the reference position is closed at x4 = 0.
 
 use super::{Contact, LumpedModel, SparseMatrix};
 
@@ -49,6 +49,7 @@ pub(super) fn one_of_equal_modules(model: &LumpedModel) -> Option<LumpedModel> {
     let next = |dof: usize| (dof + MODULE_DOFS) % model.dofs();
     let load = &model.load[..MODULE_DOFS];
     let equal = has_equal_contacts(model)
+        && model.contacts.iter().all(|contact| contact.gap == model.contacts[0].gap)
         && is_invariant(&model.stiffness, &next)
         && model.load.chunks_exact(MODULE_DOFS).all(|other| other == load);
     equal.then(|| {

@@ -43,7 +43,7 @@ use clock::{Clock, StepPlan};
 use monitor::StabilityMonitor;
 use serde::{Deserialize, Serialize};
 use signals::{DrivenInputs, InputEffect, moved_contacts};
-use start::{check_closed, initial_motion};
+use start::{check_closed, check_outside, initial_motion};
 use std::ops::ControlFlow;
 
 /// Number of steps between two checks that the motion is finite.
@@ -147,11 +147,13 @@ impl Simulation {
         if let Some(driven) = &mut driven {
             driven.bring_to([clock.time(); 2], &nominal, &mut scene, |_| {})?;
         }
-        let model = LumpedModel::from(&scene);
+        let mut model = LumpedModel::from(&scene);
         let equilibrium = assembly::equilibrium(&scene, &model)?;
+        model.count_from(&equilibrium);
         let reference = ReferencePosition { equilibrium, load: model.load.clone() };
         let mut motion = initial_motion(&scene, &model);
         check_closed(&scene, &model, &motion)?;
+        check_outside(&scene, &model, &motion)?;
         if scene.effects.energy {
             motion.ledger = Some(Ledger::new(&model, &reference.equilibrium, &motion));
         }

@@ -108,6 +108,9 @@ impl Snapshot {
                 motion.contacts[i]
             ));
         }
+        if gap.iter().any(|gap| *gap < 0.0) {
+            return refuse("a contact is inside its surface in its equilibrium");
+        }
         if !law.follows_size() && motion.pulls.contains(&true) {
             return refuse("a contact pulls, which the law of contact excludes");
         }
@@ -163,7 +166,8 @@ impl Simulation {
     /// Returns an error if the snapshot cannot be resumed ([`resume`](Self::resume)); the simulation is then unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         let can_take = snapshot.nominal.differ_in_motion_alone(&self.nominal)
-            && snapshot.is_consistent(&self.scene);
+            && snapshot.is_consistent(&self.scene)
+            && snapshot.progress.reference.equilibrium.gap == self.reference.equilibrium.gap;
         if !can_take {
             *self = Self::resume(snapshot.clone())?;
             return Ok(());
@@ -198,7 +202,8 @@ impl Simulation {
         if let Some(driven) = &mut driven {
             let _ = driven.bring_to([clock.time(); 2], &nominal, &mut scene, |_| {});
         }
-        let model = LumpedModel::from(&scene);
+        let mut model = LumpedModel::from(&scene);
+        model.count_from(&reference.equilibrium);
         let mut resumed = Self::assemble(scene, nominal, driven, model, reference, motion, clock)?;
         resumed.take_over_rates(&rates);
         Ok(resumed)

@@ -2,8 +2,9 @@
 
 use crate::Error;
 use crate::contact::ContactState;
+use crate::error::Short;
 use crate::integrator::Motion;
-use crate::model::{Direction, LumpedModel};
+use crate::model::{Contact, Direction, LumpedModel};
 use crate::scene::Scene;
 
 /// The motion at the start. A contact whose initial gap or opening speed is above zero starts in state Dt; any other
@@ -14,7 +15,7 @@ pub(super) fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
     let contacts = model.contacts.iter().map(|contact| {
         let surface = contact.surface_velocity;
         let slip = surface - contact.tangent.dot(&velocity);
-        if is_positive(&contact.normal, &displacement) || is_positive(&contact.normal, &velocity) {
+        if gap(contact, &displacement) > 0.0 || is_positive(&contact.normal, &velocity) {
             ContactState::Detached
         } else if let Some(state) = model.law.fixed_state(surface) {
             state
@@ -53,6 +54,34 @@ pub(super) fn check_closed(
         }
     }
     Ok(())
+}
+
+/// Refuses to start with a mass inside a surface. A scene is refused before, if the equilibrium has no part in it.
+pub(super) fn check_outside(
+    scene: &Scene,
+    model: &LumpedModel,
+    motion: &Motion,
+) -> Result<(), Error> {
+    let inside = |contact: &Contact| gap(contact, &motion.displacement) < 0.0;
+    let Some(i) = model.contacts.iter().position(inside) else { return Ok(()) };
+    let contact = &model.contacts[i];
+    Err(Error::scene(format!(
+        "{} starts inside its surface, with a gap of {} m: the equilibrium has a gap of {} m, and the initial displacement \
+         adds {} m; the sum must be ≥ 0",
+        scene.contact_name(i),
+        Short(gap(contact, &motion.displacement)),
+        Short(contact.gap),
+        Short(contact.normal.dot(&motion.displacement))
+    )))
+}
+
+/// The gap of a contact at these displacements, m; zero if it is a rounding error of its terms.
+fn gap(contact: &Contact, displacement: &[f64]) -> f64 {
+    let terms = contact.normal.0.iter().map(|&(dof, n)| (n * displacement[dof]).abs());
+    let size = terms.fold(contact.gap, f64::max);
+    let is_difference = contact.normal.0.len() > 1 || contact.gap > 0.0;
+    let gap = contact.gap_at(displacement);
+    if is_difference && gap.abs() <= 1e-12 * size { 0.0 } else { gap }
 }
 
 /// Returns `true` if the vector has a positive component along the normal, larger than rounding errors if the normal

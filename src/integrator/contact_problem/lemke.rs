@@ -9,21 +9,15 @@
 //! * 0 ≤ γ ⊥ N − T⁺/f − T⁻/b ≥ 0.
 //!
 //! A contact that must slip has N alone, with T = ±µN. The matrix of all other contacts is copositive for any
-//! symmetric W ≥ 0 (xᵀ M x = λᵀ W λ + γᵀ N). Pivots are chosen in lexicographic order, so they end: in a solution, or in
-//! a ray, which proves nothing.
+//! symmetric W ≥ 0 (xᵀ M x = λᵀ W λ + γᵀ N).
 
 use super::{ContactConstraint, ContactProblem, Strictness};
 use crate::contact::ContactState;
+use crate::numerics::Lemke;
 
-/// Ratios within this part of the least are tied.
-const TIE: f64 = 1e-12;
-/// An entry below this part of the largest in its column is rounding.
-const NOTHING: f64 = 1e-13;
 /// The limits of friction are first those of the law, then wider by this part of the largest force: at the limits of the
 /// law many rows are tied, and rounding may choose a row between them that leads to a ray.
 const WIDER: [f64; 2] = [0.0, 1e-10];
-/// Largest number of pivots for each variable; one or two are usual.
-const MOST_PIVOTS: usize = 50;
 
 /// An unknown z of a contact, and the condition w that it complements.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,141 +32,23 @@ enum LemkeVariable {
     Sliding,
 }
 
-/// The variable of a row or a column of the tableau.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Name {
-    /// The condition w of this place.
-    W(usize),
-    /// The unknown z of this place.
-    Z(usize),
-    /// The artificial unknown that lets all conditions hold at the start.
-    Cover,
-}
-
-/// The tableau: each row expresses its basic variable as a constant plus multiples of the others.
-pub(super) struct Lemke {
+/// The complementarity problem of a group of contacts.
+pub(super) struct Pivots {
     parts: Vec<(usize, LemkeVariable)>,
-    rows: Vec<Name>,
-    columns: Vec<Name>,
-    /// The entries by rows; the constant comes first.
-    entries: Vec<f64>,
-    pivot_row: Vec<f64>,
+    tableau: Lemke,
 }
 
-impl Lemke {
+impl Pivots {
     /// Allocates memory for groups of up to `contacts` contacts.
     pub(super) fn with_room(contacts: usize) -> Self {
         let places = if contacts > 1 { 4 * contacts } else { 0 };
-        Self {
-            parts: Vec::with_capacity(places),
-            rows: Vec::with_capacity(places),
-            columns: Vec::with_capacity(places + 2),
-            entries: Vec::with_capacity(places * (places + 2)),
-            pivot_row: Vec::with_capacity(places + 2),
-        }
-    }
-
-    /// Number of unknowns.
-    fn size(&self) -> usize {
-        self.parts.len()
-    }
-
-    /// Pivots until the artificial unknown has left the basis; `false` where a ray comes first.
-    fn run(&mut self) -> bool {
-        let width = self.size() + 2;
-        let constant = |entries: &[f64], row: usize| entries[row * width];
-        let least = (0..self.size())
-            .min_by(|&a, &b| constant(&self.entries, a).total_cmp(&constant(&self.entries, b)));
-        let Some(least) = least else { return true };
-        if constant(&self.entries, least) >= 0.0 {
-            return true;
-        }
-        // In the order of the perturbation εᵏ the last of equal rows is the lowest.
-        let lowest = constant(&self.entries, least);
-        let row = (0..self.size()).rev().find(|&row| constant(&self.entries, row) <= lowest);
-        let mut leaving = self.pivot(row.unwrap_or(least), width - 1);
-        for _ in 0..MOST_PIVOTS * width {
-            let entering = match leaving {
-                Name::Cover => return true,
-                Name::W(place) => Name::Z(place),
-                Name::Z(place) => Name::W(place),
-            };
-            let Some(column) = self.columns.iter().position(|name| *name == entering) else {
-                return false;
-            };
-            let Some(row) = self.leaving_row(column + 1) else { return false };
-            leaving = self.pivot(row, column + 1);
-        }
-        false
-    }
-
-    /// The row whose variable falls to zero first when the variable of this column grows; among ties the artificial
-    /// unknown, else the lexicographic least.
-    fn leaving_row(&self, column: usize) -> Option<usize> {
-        let width = self.size() + 2;
-        let entry = |row: usize, column: usize| self.entries[row * width + column];
-        let largest =
-            (0..self.size()).fold(0.0, |most, row| f64::max(most, entry(row, column).abs()));
-        let falls = |row: &usize| entry(*row, column) < -NOTHING * largest;
-        let ratio = |row: usize| entry(row, 0).max(0.0) / -entry(row, column);
-        let least = (0..self.size()).filter(falls).map(ratio).fold(f64::INFINITY, f64::min);
-        let is_least = |row: &usize| falls(row) && ratio(*row) <= least * (1.0 + TIE);
-        let tied = || (0..self.size()).filter(is_least);
-        if let Some(cover) = tied().find(|&row| self.rows[row] == Name::Cover) {
-            return Some(cover);
-        }
-        tied().reduce(|a, b| if self.is_before(b, a, column) { b } else { a })
-    }
-
-    /// `true` if row `a` precedes row `b` in the order of the perturbation εᵏ of each constant.
-    fn is_before(&self, a: usize, b: usize, column: usize) -> bool {
-        let width = self.size() + 2;
-        let factor = |row: usize, place: usize| {
-            let by = -self.entries[row * width + column];
-            let coefficient = match self.columns.iter().position(|name| *name == Name::W(place)) {
-                Some(column) => -self.entries[row * width + column + 1],
-                None if self.rows[row] == Name::W(place) => 1.0,
-                None => 0.0,
-            };
-            coefficient / by
-        };
-        let differs = (0..self.size()).map(|place| (factor(a, place), factor(b, place)));
-        differs.into_iter().find(|(a, b)| a != b).is_some_and(|(a, b)| a < b)
-    }
-
-    /// Exchanges the variables of a row and a column (0 is the constant's); returns the one that leaves the rows.
-    fn pivot(&mut self, row: usize, column: usize) -> Name {
-        let width = self.size() + 2;
-        let Self { entries, pivot_row, .. } = self;
-        let own = &mut entries[row * width..][..width];
-        let pivot = own[column];
-        // From basic = … + pivot · entering to entering = (basic − …) / pivot.
-        for entry in own.iter_mut() {
-            *entry /= -pivot;
-        }
-        own[column] = 1.0 / pivot;
-        pivot_row.clear();
-        pivot_row.extend_from_slice(own);
-        for (other, entries) in entries.chunks_exact_mut(width).enumerate() {
-            let factor = entries[column];
-            if other == row || factor == 0.0 {
-                continue;
-            }
-            entries[column] = 0.0;
-            for (entry, own) in entries.iter_mut().zip(&*pivot_row) {
-                *entry += factor * own;
-            }
-        }
-        std::mem::swap(&mut self.rows[row], &mut self.columns[column - 1]);
-        self.columns[column - 1]
+        Self { parts: Vec::with_capacity(places), tableau: Lemke::with_room(places) }
     }
 
     /// The value of an unknown; `None` where it is not basic, and so zero.
     fn value(&self, contact: usize, part: LemkeVariable) -> Option<f64> {
-        let width = self.size() + 2;
         let place = self.parts.iter().position(|known| *known == (contact, part))?;
-        let row = self.rows.iter().position(|name| *name == Name::Z(place))?;
-        Some(self.entries[row * width])
+        self.tableau.value(place)
     }
 }
 
@@ -180,7 +56,7 @@ impl ContactProblem {
     /// Solves for the forces of a group by pivots; `true` if forces were found that obey the law.
     pub(super) fn pivot(&mut self, group: usize, strictness: Strictness) -> bool {
         WIDER.into_iter().any(|wider| {
-            if !self.tabulate(group, wider) || !self.lemke.run() {
+            if !self.tabulate(group, wider) || !self.lemke.tableau.run() {
                 return false;
             }
             for place in 0..self.delassus.groups()[group].len() {
@@ -230,13 +106,9 @@ impl ContactProblem {
                 | ContactConstraint::Guided { .. } => return false,
             }
         }
-        let size = lemke.parts.len();
-        lemke.rows.clear();
-        lemke.rows.extend((0..size).map(Name::W));
-        lemke.columns.clear();
-        lemke.columns.extend((0..size).map(Name::Z));
-        lemke.columns.push(Name::Cover);
-        lemke.entries.clear();
+        let Pivots { parts, tableau } = lemke;
+        let size = parts.len();
+        let entries = tableau.begin(size);
         let scales = |contact: usize| delassus.scales(contact);
         // 1/f or 1/b, in these units.
         let inverse_limit =
@@ -266,7 +138,7 @@ impl ContactProblem {
             }
         };
         for row in 0..size {
-            let (contact, part) = lemke.parts[row];
+            let (contact, part) = parts[row];
             let weights = match part {
                 LemkeVariable::Normal => [scales(contact)[0], 0.0],
                 _ => unit((contact, part)),
@@ -277,9 +149,9 @@ impl ContactProblem {
                 LemkeVariable::Sliding => wider * largest * (1.0 + row as f64 / size as f64),
                 _ => weights[0] * free[contact][0] + weights[1] * free[contact][1],
             };
-            lemke.entries.push(constant);
+            entries.push(constant);
             for column in 0..size {
-                let (other, kind) = lemke.parts[column];
+                let (other, kind) = parts[column];
                 let w = delassus.block(contact, other);
                 let by = unit((other, kind));
                 let mut entry = weights[0] * (w[0] * by[0] + w[1] * by[1])
@@ -298,9 +170,9 @@ impl ContactProblem {
                         _ => 0.0,
                     };
                 }
-                lemke.entries.push(entry);
+                entries.push(entry);
             }
-            lemke.entries.push(1.0);
+            entries.push(1.0);
         }
         true
     }

@@ -37,7 +37,7 @@ pub(super) use constraint::{ConstraintOf, ContactConstraint, constraint_of};
 pub(super) use delassus::Delassus;
 use enumeration::{LinearProgram, Search};
 pub(super) use given_states::{GivenStates, StateEquations};
-use lemke::Lemke;
+use lemke::Pivots;
 use others::OtherSolutions;
 use states::{Acceleration, Strictness};
 
@@ -76,7 +76,7 @@ pub(super) struct ContactProblem {
     corrections: Vec<[f64; 2]>,
     swept: Vec<[f64; 2]>,
     unpressed: Vec<[f64; 2]>,
-    lemke: Lemke,
+    lemke: Pivots,
     enumeration: LinearProgram,
     others: OtherSolutions,
 }
@@ -99,7 +99,7 @@ impl ContactProblem {
             has_blurred: false,
             given: GivenStates::new(&delassus),
             others: OtherSolutions::with_room(contacts, delassus.groups().len()),
-            lemke: Lemke::with_room(largest),
+            lemke: Pivots::with_room(largest),
             enumeration: LinearProgram::with_room(largest),
             delassus,
             free: vec![[0.0; 2]; contacts],

@@ -118,10 +118,11 @@ impl<W: MotionObserver> EventDriven<W> {
                 continue;
             }
             for &i in group {
-                let normal = &contacts[i].normal;
-                let terms = normal.0.iter().map(|&(dof, n)| (n * motion.displacement[dof]).abs());
-                let length = terms.fold(speed * self.shortest, |sum, term| sum + term);
-                if normal.dot(&motion.displacement).abs() <= NOISE * length {
+                let contact = &contacts[i];
+                let terms = contact.normal.0.iter();
+                let terms = terms.map(|&(dof, n)| (n * motion.displacement[dof]).abs());
+                let length = terms.fold(contact.gap + speed * self.shortest, |sum, term| sum + term);
+                if contact.gap_at(&motion.displacement).abs() <= NOISE * length {
                     self.closed[i] = frictionless(true);
                 }
             }
@@ -181,7 +182,7 @@ impl<W: MotionObserver> EventDriven<W> {
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             if let Some(dof) = contact.normal.as_unit() {
                 if self.closed[i] != ContactState::Detached {
-                    motion.displacement[dof] = 0.0;
+                    motion.displacement[dof] = contact.closed_place();
                 }
                 if self.kept[i] != ContactState::Detached {
                     motion.velocity[dof] = 0.0;

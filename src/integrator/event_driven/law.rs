@@ -212,7 +212,7 @@ impl StateLaw {
     /// Removes the drift of gaps (m) that rounding causes at closed contacts. Only inclined contacts drift.
     pub(super) fn project_positions(&mut self, dynamics: &Dynamics, x: &mut [f64]) {
         let contacts = &dynamics.contacts;
-        let gap = |i: usize, part| if part == 0 { contacts[i].normal.dot(x) } else { 0.0 };
+        let gap = |i: usize, part| if part == 0 { contacts[i].gap_at(x) } else { 0.0 };
         self.held.all_forces(gap, &mut self.multipliers);
         respond(dynamics, &self.multipliers, x);
     }

@@ -32,7 +32,7 @@
 //!
 //!    | state | function | event |
 //!    | --- | --- | --- |
-//!    | open | gap G_N x | `Touch` |
+//!    | open | gap g + G_N x | `Touch` |
 //!    | stick | normal force N | `Lift` |
 //!    | stick | µ_s N − T and µ_s N + T | `Slip` with σ = 1, σ = −1 |
 //!    | slip | normal force N | `Lift` |
@@ -188,7 +188,8 @@ pub struct EventDriven<W = ()> {
     observer: W,
     dynamics: Dynamics,
     series: Series,
-    /// `true` if any contact holds more than one degree of freedom at a time.
+    /// `true` if any contact holds more than one degree of freedom at a time, or has a gap in the reference position:
+    /// gaps and slips are then differences of larger values.
     is_inclined: bool,
     /// `true` for each contact that sticks only as long as the surfaces do not part the contacts
     /// ([`ContactProblem::overheld`]).
@@ -287,7 +288,9 @@ impl<W: MotionObserver> EventDriven<W> {
             observer,
             series,
             is_inclined: model.contacts.iter().any(|contact| {
-                contact.normal.as_unit().is_none() || contact.tangent.as_unit().is_none()
+                contact.normal.as_unit().is_none()
+                    || contact.tangent.as_unit().is_none()
+                    || contact.gap != 0.0
             }),
             overheld: dynamics.problem.overheld(),
             shortest: shortest(&dynamics),
@@ -545,7 +548,7 @@ impl<W: MotionObserver> EventDriven<W> {
                 continue;
             }
             if let Some(dof) = contact.normal.as_unit() {
-                motion.displacement[dof] = 0.0;
+                motion.displacement[dof] = contact.closed_place();
                 motion.velocity[dof] = 0.0;
             }
             if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {

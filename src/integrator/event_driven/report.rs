@@ -107,10 +107,11 @@ impl<W: MotionObserver> EventDriven<W> {
         if !self.overheld[contact] {
             return false;
         }
-        let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
+        let contact = &self.dynamics.contacts[contact];
+        let Contact { normal, tangent, .. } = contact;
         let strained = self.shortest * self.load_velocity(inputs);
         let still = NOISE * self.fastest(motion, inputs);
-        normal.dot(&motion.displacement).abs()
+        contact.gap_at(&motion.displacement).abs()
             <= NOISE * max_norm(&motion.displacement).max(strained)
             && normal.dot(&motion.velocity).abs() <= still
             && tangent.dot(&motion.velocity).abs() <= still

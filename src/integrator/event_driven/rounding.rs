@@ -10,7 +10,8 @@
 //! L_r = Σ_j |G_r M⁻¹ K|_j |x_j|              magnitudes of the spring terms along r = N or T, m/s²
 //! A_F                                        acceleration by outer forces, m/s²                    [driven]
 //! S   = d (max(|N_0|, A / W_NN) + 0.02 (L_N / W_NN + L_T / W_TT))                                   N
-//! e_k = 0.02 |c_k|∞                          if any contact holds differences of displacements, else 0, m
+//! e_k = 0.02 |c_k|∞                          if any contact holds differences of displacements or has a gap g in the
+//!                                            reference position, else 0, m
 //! B   = d (A τ² + 0.02 τ² (L_N + A_F) + e_1)                                                        m
 //! D   = max(d τ v_max, d A τ² + (1 + µ_s) S (W_TT + µ_s |W_NT|) τ²) + d e_1                         m
 //! V   = max(|ẋ|∞ since the instant began, 2.2e-5 h A_F)                                             m/s
@@ -26,7 +27,7 @@
 //! | τ v_r (`Stop`, `Leave`), each power | 1e-13 D |
 //! | gap (`Touch`): powers from the second on | 1e-13 B |
 //! | its slope, G_N c_1 | the smaller of 1e-13 B and 0.5e-11 max(\|c_1\|∞, 2.2e-5 h A_F τ) |
-//! | its value, G_N c_0 | that of the slope + 1e-13 d e_0 |
+//! | its value, g + G_N c_0 | that of the slope + 1e-13 d e_0 |
 //! | \|G_N c_2\| of a closed contact (`Part`) | d (1e-10 τ² (A + L_N + A_F) + 1e-13 e_0) |
 //! | v_r at the beginning of a step | 1e-13 max(v_max, Σ \|t_j ẋ_j\|, h A_F), with the terms t_j ẋ_j of G_T ẋ |
 //! | v_r after an impact | 1e-13 max(V, v_max) |

@@ -240,7 +240,11 @@ impl<W: MotionObserver> EventDriven<W> {
             self;
         let rows = &dynamics.contacts[contact];
         match event {
-            Event::Touch | Event::Part => series.along(&rows.normal, polynomial),
+            Event::Touch | Event::Part => {
+                let terms = series.along(&rows.normal, polynomial);
+                polynomial[0] += rows.gap;
+                terms
+            }
             Event::Stop | Event::Leave(_) => {
                 let terms = series.moved(&rows.tangent, polynomial);
                 let span = series.span();

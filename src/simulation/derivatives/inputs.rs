@@ -93,8 +93,8 @@ impl Simulation {
             by.push(slope.change(change.slider_velocity[i], change.friction[i]));
         }
         let load = std::mem::replace(&mut change.load, vec![0.0; self.model.dofs()]);
-        let normal = &self.reference.equilibrium.normal_force;
-        change.reference = self.model.equilibrium_change(load, &slopes, &by, normal)?;
+        let here = &self.reference.equilibrium;
+        change.reference = self.model.equilibrium_change(load, &slopes, &by, here)?;
         Ok(())
     }
 }

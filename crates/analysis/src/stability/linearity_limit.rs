@@ -81,12 +81,11 @@ fn normal_force_amplitudes(linear: LinearModel<'_>, mode: &Mode) -> Option<Vec<f
             + times(&model.stiffness) * (lambda * damping.beta + 1.0)
             + times(&model.dampers) * lambda
     });
-    for (contact, friction) in model.contacts.iter().zip(linear.friction()) {
-        let tangent = &contact.tangent.0;
-        let moved =
-            tangent.iter().map(|&(dof, value)| mode.shape[dof] * value).sum::<Complex<f64>>();
-        for &(dof, value) in tangent {
-            rest[dof] += moved * lambda * (friction.damping * value);
+    for (_, along, coefficient) in linear.friction_damping() {
+        let parts = along.0.iter();
+        let moved = parts.map(|&(dof, value)| mode.shape[dof] * value).sum::<Complex<f64>>();
+        for &(dof, value) in &along.0 {
+            rest[dof] += moved * lambda * (coefficient * value);
         }
     }
     let mut forces = DMatrix::<Complex<f64>>::zeros(dofs, model.contacts.len());

@@ -130,7 +130,7 @@ impl Problem<'_> {
     }
 }
 
-/// C = α M + β K + D, and what friction that falls with the slip velocity adds along each tangent.
+/// C = α M + β K + D, and what the friction of contacts that slide adds.
 fn damping(linear: LinearModel<'_>) -> DMatrix<f64> {
     let model = linear.model();
     let mut found =
@@ -138,10 +138,10 @@ fn damping(linear: LinearModel<'_>) -> DMatrix<f64> {
     if !model.dampers.is_empty() {
         found += dense(&model.dampers);
     }
-    for (contact, friction) in model.contacts.iter().zip(linear.friction()) {
-        for &(i, a) in &contact.tangent.0 {
-            for &(j, b) in &contact.tangent.0 {
-                found[(i, j)] += friction.damping * a * b;
+    for (_, direction, coefficient) in linear.friction_damping() {
+        for &(i, a) in &direction.0 {
+            for &(j, b) in &direction.0 {
+                found[(i, j)] += coefficient * a * b;
             }
         }
     }

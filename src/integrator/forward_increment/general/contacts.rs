@@ -21,6 +21,10 @@ struct Place {
     responses: [Range<usize>; 2],
     /// The degree of freedom that is its gap, and the one that is its tangential displacement; `None` if there is none.
     along: [Option<usize>; 2],
+    /// Its gap in the reference position, m.
+    gap: f64,
+    /// The place along that degree of freedom at which the contact is closed, m.
+    closed: f64,
 }
 
 impl Contacts {
@@ -37,6 +41,8 @@ impl Contacts {
             tangent: add(&contact.tangent),
             responses: responses.each_ref().map(&mut add),
             along: [contact.normal.as_unit(), contact.tangent.as_unit()],
+            gap: contact.gap,
+            closed: contact.closed_place(),
         });
         let places = places.collect();
         Self { parts, places }
@@ -60,7 +66,7 @@ impl Contacts {
         let (friction, free) = (&inputs.friction[..contacts], &mut problem.free[..contacts]);
         let constraints = &mut problem.constraints[..contacts];
         for (i, place) in self.places.iter().enumerate() {
-            let (mut normal, mut gap, mut approach) = (0.0, 0.0, 0.0);
+            let (mut normal, mut gap, mut approach) = (0.0, place.gap, 0.0);
             for &(dof, factor) in &self.parts[place.normal.clone()] {
                 normal += factor * v[dof];
                 gap += factor * x[dof];
@@ -135,16 +141,16 @@ impl Contacts {
         let held = || {
             let closed = |state: &ContactState| *state != ContactState::Detached;
             let places = self.places.iter().zip(states).filter(move |(_, state)| closed(state));
-            places.filter_map(|(place, _)| place.along[0])
+            places.filter_map(|(place, _)| Some((place.along[0]?, place.closed)))
         };
-        for normal in held() {
-            v[normal] = (0.0 - x[normal]) / h;
+        for (normal, closed) in held() {
+            v[normal] = (closed - x[normal]) / h;
         }
         for (x, v) in x.iter_mut().zip(&*v) {
             *x += h * v;
         }
-        for normal in held() {
-            x[normal] = 0.0;
+        for (normal, closed) in held() {
+            x[normal] = closed;
         }
     }
 }

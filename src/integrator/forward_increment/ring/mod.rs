@@ -127,11 +127,13 @@ impl Rings {
     }
 }
 
-/// The modules of a model whose matrices have the pattern of a ring of them.
+/// The modules of a model whose matrices have the pattern of a ring of them, and whose contacts are all closed in the
+/// reference position.
 fn blocks(model: &LumpedModel) -> Option<Vec<Block>> {
     let mass = model.mass.as_diagonal()?;
     let count = model.contacts.len();
-    if !has_contacts_in_place(model) || !model.dampers.is_empty() {
+    let has_gaps = model.contacts.iter().any(|contact| contact.gap != 0.0);
+    if !has_contacts_in_place(model) || has_gaps || !model.dampers.is_empty() {
         return None;
     }
     let mut blocks: Vec<Block> = mass

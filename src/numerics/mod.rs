@@ -1,4 +1,8 @@
-//! Bisection, and norms and the range of a set of values.
+//! Bisection, norms and the range of a set of values, and linear complementarity problems.
+
+mod lemke;
+
+pub(crate) use lemke::Lemke;
 
 /// Maximum norm ‖x‖∞: the largest magnitude of some values, in their unit; 0 of none. Values that are not a number are
 /// ignored.
