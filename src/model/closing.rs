@@ -328,7 +328,8 @@ impl Complementarity {
     /// The force of each contact in a pattern that solves the problem, in units of its own; `None` if it does not.
     pub(super) fn forces(&self, closed: &[bool]) -> Option<Vec<f64>> {
         let Values::One(values) = self.values(closed) else { return None };
-        let forces = values.iter().zip(closed).map(|(value, closed)| if *closed { *value } else { 0.0 });
+        let forces =
+            values.iter().zip(closed).map(|(value, closed)| if *closed { *value } else { 0.0 });
         is_solution(&values).then(|| forces.collect())
     }
 
@@ -347,7 +348,8 @@ impl Complementarity {
         let largest = rows.iter().fold(0.0, |most, row| f64::max(most, row[size].abs()));
         let pivots = eliminate(&mut rows, size, NOTHING);
         if pivots.len() < size {
-            let mut left = rows.iter().enumerate().filter(|(i, _)| pivots.iter().all(|p| p.0 != *i));
+            let mut left =
+                rows.iter().enumerate().filter(|(i, _)| pivots.iter().all(|p| p.0 != *i));
             let is_balanced = left.all(|(_, row)| row[size].abs() <= ROUNDING * largest);
             return if is_balanced { Values::Undetermined } else { Values::None };
         }

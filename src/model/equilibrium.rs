@@ -115,11 +115,16 @@ impl LumpedModel {
 
     /// The equilibrium with these contacts closed; `None` where one of them pulls, or an open one is inside its surface,
     /// by more than rounding.
-    fn with_closed(&self, closed: &[bool], slopes: &[f64]) -> Result<Option<Equilibrium>, Singular> {
+    fn with_closed(
+        &self,
+        closed: &[bool],
+        slopes: &[f64],
+    ) -> Result<Option<Equilibrium>, Singular> {
         let mut found = self.solve_closed(closed, slopes, &self.load, |contact| contact.gap)?;
         let pressed = found.normal_force.iter().fold(0.0, |most, force| f64::max(most, *force));
         for (i, contact) in self.contacts.iter().enumerate() {
-            let terms = contact.normal.0.iter().map(|&(dof, n)| (n * found.displacement[dof]).abs());
+            let terms =
+                contact.normal.0.iter().map(|&(dof, n)| (n * found.displacement[dof]).abs());
             let length = terms.fold(contact.gap, |sum, term| sum + term);
             let (force, gap) = (&mut found.normal_force[i], &mut found.gap[i]);
             if *force < -COARSE * pressed || *gap < -COARSE * length {
@@ -406,9 +411,11 @@ impl Equilibrium {
     pub fn states(&self, model: &LumpedModel) -> Vec<ContactState> {
         let contacts = model.contacts.iter().zip(&self.gap);
         contacts
-            .map(|(contact, gap)| {
-                if *gap > 0.0 { ContactState::Detached } else { contact.resting_state() }
-            })
+            .map(
+                |(contact, gap)| {
+                    if *gap > 0.0 { ContactState::Detached } else { contact.resting_state() }
+                },
+            )
             .collect()
     }
 

@@ -193,7 +193,10 @@ mod tests {
         model.law.friction = Law::Stribeck;
         model = model
             .with_friction(Friction { stribeck_velocity: 0.1, ..Friction::with_static(0.4, 1.96) });
-        assert_eq!(stands(&model), SlidingFriction { coefficient: 0.0, damping: 0.0, transverse: 0.0 });
+        assert_eq!(
+            stands(&model),
+            SlidingFriction { coefficient: 0.0, damping: 0.0, transverse: 0.0 }
+        );
         model.law.sticking = true;
         assert!(stands(&model).coefficient == 1.96 && stands(&model).damping < 0.0);
     }

@@ -121,7 +121,8 @@ impl<W: MotionObserver> EventDriven<W> {
                 let contact = &contacts[i];
                 let terms = contact.normal.0.iter();
                 let terms = terms.map(|&(dof, n)| (n * motion.displacement[dof]).abs());
-                let length = terms.fold(contact.gap + speed * self.shortest, |sum, term| sum + term);
+                let length =
+                    terms.fold(contact.gap + speed * self.shortest, |sum, term| sum + term);
                 if contact.gap_at(&motion.displacement).abs() <= NOISE * length {
                     self.closed[i] = frictionless(true);
                 }

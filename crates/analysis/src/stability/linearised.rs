@@ -102,11 +102,7 @@ impl Linearised {
     /// # Errors
     /// Returns an error with the reason if there is no equilibrium.
     pub fn equilibrium_states(&self) -> Result<Vec<ContactState>, Error> {
-        let gaps = &self.equilibrium()?.gap;
-        let states = self.resting_state().into_iter().zip(gaps);
-        Ok(states
-            .map(|(state, gap)| if *gap > 0.0 { ContactState::Detached } else { state })
-            .collect())
+        Ok(self.equilibrium()?.states(&self.model))
     }
 
     /// The state of uniform sliding.

@@ -1,9 +1,9 @@
-//! Another method and step, or other initial values, written into a scene file.
+//! Another method and step, other initial values, or packed matrices, written into a scene file.
 
 use amontons::Error;
-use amontons::scene::{Method, Preset, Scene, Source, Structure};
+use amontons::scene::{Method, PACKED, Preset, Scene, Source, Structure};
 use serde::Serialize;
-use toml_edit::{ArrayOfTables, DocumentMut, Table};
+use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
 /// Writes another method and step (s) into the scene file; all else stays as it is, comments included.
 ///
@@ -62,6 +62,56 @@ pub fn set_initial(source: &mut Source, scene: &Scene) -> Result<(), Error> {
     Ok(())
 }
 
+/// Keys of `[[superelement]]` that say how its matrices are made of files.
+const MATRIX_KEYS: [&str; 11] = [
+    "folder",
+    "stiffness",
+    "mass",
+    "freedoms",
+    "damping",
+    "gyroscopic",
+    "circulatory",
+    "alpha",
+    "beta",
+    "damping_ratio",
+    "units",
+];
+
+/// Names the packed superelements of the source in place of the matrix files from which they were made; all else stays as it is,
+/// comments included.
+///
+/// # Errors
+/// Returns an error if the file is not TOML.
+pub(super) fn pack(source: &mut Source) -> Result<(), Error> {
+    if source.binaries.is_empty() {
+        return Ok(());
+    }
+    let mut document = parsed(source)?;
+    match document.get_mut("superelement") {
+        Some(Item::ArrayOfTables(tables)) => {
+            tables.iter_mut().for_each(|table| name_packed(table));
+        }
+        Some(Item::Value(toml_edit::Value::Array(tables))) => {
+            let tables = tables.iter_mut().filter_map(toml_edit::Value::as_inline_table_mut);
+            tables.for_each(|table| name_packed(table));
+        }
+        _ => {}
+    }
+    source.text = document.to_string();
+    Ok(())
+}
+
+/// Names the packed file in the table of one superelement.
+fn name_packed(table: &mut dyn TableLike) {
+    let name = table.get("name").and_then(Item::as_str).map(str::to_owned);
+    if let Some(name) = name.filter(|_| !table.contains_key("file")) {
+        for key in MATRIX_KEYS {
+            table.remove(key);
+        }
+        table.insert("file", toml_edit::value(format!("{name}.{PACKED}")));
+    }
+}
+
 /// The scene file as TOML.
 fn parsed(source: &Source) -> Result<DocumentMut, Error> {
     source.text.parse().map_err(|error| Error::scene(format!("{error}")))
@@ -75,7 +125,7 @@ fn set_keys<const N: usize>(
     let mut document = parsed(source)?;
     let table = document
         .get_mut("integrator")
-        .and_then(toml_edit::Item::as_table_like_mut)
+        .and_then(Item::as_table_like_mut)
         .ok_or_else(|| Error::scene("[integrator] is missing"))?;
     for key in ["method", "step", "preset", "tolerance"] {
         if keys.iter().all(|(kept, _)| *kept != key) {
@@ -84,7 +134,7 @@ fn set_keys<const N: usize>(
     }
     for (key, mut value) in keys {
         // The text behind the old value is kept behind the new one.
-        let old = table.get(key).and_then(toml_edit::Item::as_value);
+        let old = table.get(key).and_then(Item::as_value);
         if let Some(decor) = old.map(|old| old.decor().clone()) {
             *value.decor_mut() = decor;
         }
@@ -129,6 +179,32 @@ mod tests {
             assert!(source.text.contains("1e-4") || source.text.contains("0.0001"), "{source:?}");
             assert!(source.text.contains("forward-increment"), "{source:?}");
         }
+    }
+
+    #[test]
+    fn packed_superelements_are_named_in_place_of_the_files_of_matrices() {
+        let binaries = vec![("pad.superelement".to_owned(), Vec::new())];
+        let mut source = Source {
+            text: "# a brake\n[[superelement]]\nname = \"pad\"\nfolder = \"a/b\"\nunits = { mass = 1e3 }\nbeta = 1e-8\n\
+                   [[superelement]]\nname = \"disc\"\nfile = \"d.superelement\"\n# end\n[[mass]]\nname = \"m\"\n"
+                .into(),
+            binaries: binaries.clone(),
+            ..Source::default()
+        };
+        pack(&mut source).unwrap();
+        assert_eq!(
+            source.text,
+            "# a brake\n[[superelement]]\nname = \"pad\"\nfile = \"pad.superelement\"\n\
+             [[superelement]]\nname = \"disc\"\nfile = \"d.superelement\"\n# end\n[[mass]]\nname = \"m\"\n"
+        );
+        let text = "superelement = [{ name = \"pad\", stiffness = \"k\", mass = \"m\" }]\n".into();
+        let mut source = Source { text, binaries, ..Source::default() };
+        pack(&mut source).unwrap();
+        let words: Vec<&str> = source.text.split_whitespace().collect();
+        assert_eq!(
+            words.join(" "),
+            "superelement = [{ name = \"pad\", file = \"pad.superelement\" }]"
+        );
     }
 
     #[test]
