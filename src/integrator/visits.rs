@@ -146,6 +146,7 @@ impl Integrator for WithVisits {
 mod tests {
     use super::*;
     use crate::contact::ContactState::{Detached, Slide, Stick};
+    use crate::simulation::Simulation;
 
     #[test]
     fn stays_in_one_pattern_are_one_visit_until_another_comes_between() {
@@ -176,5 +177,41 @@ mod tests {
         assert_eq!(log.visits().len(), MOST_VISITED);
         assert_eq!(log.left_out(), 3.5);
         assert_eq!((log.visits()[7].time, log.visits()[7].entered), (2.0, 2));
+    }
+
+    /// On a belt with v = 0.1 m/s a mass of 1 kg on a spring of 100 N/m begins without a spring force. It sticks until the spring
+    /// has the force µN = 4 N, for 0.4 s, and then slips.
+    #[test]
+    fn a_mass_on_a_belt_sticks_as_long_as_the_belt_needs_to_stretch_its_spring() {
+        for (method, step) in [("event-driven", 1e-2), ("forward-increment", 1e-5)] {
+            for energy in [true, false] {
+                let text = format!(
+                    "integrator = {{ method = \"{method}\", step = {step} }}\n\
+                     slider = {{ velocity = 0.1, angle = 0.0 }}\nfriction = {{ coefficient = 0.4 }}\n\
+                     mass = [{{ name = \"m\", mass = 1.0, load = [0.0, -10.0] }}]\n\
+                     spring = [{{ name = \"k\", between = [\"m\", \"ground\"], direction = \"x\", stiffness = 100.0 }}]\n\
+                     contact = [{{ name = \"belt\", mass = \"m\" }}]\n\
+                     initial = [{{ mass = \"m\", x = -0.04, vx = 0.1 }}]\neffects = {{ energy = {energy} }}\n"
+                );
+                let scene = crate::scene::parse("belt", &text).unwrap();
+                let mut plain = Simulation::new(scene.clone(), 0.0).unwrap();
+                let mut simulation = Simulation::new(scene, 0.0).unwrap();
+                assert!(simulation.visits().is_none());
+                simulation.record_visits().unwrap();
+                for time in [0.1, 0.37, 0.9] {
+                    plain.advance_to(time).unwrap();
+                    simulation.advance_to(time).unwrap();
+                }
+                assert_eq!(plain.motion(), simulation.motion());
+                let log = simulation.visits().unwrap();
+                let [stuck, slipping] = log.visits() else { panic!("{:?}", log.visits()) };
+                assert_eq!((&stuck.states[..], &slipping.states[..]), (&[Stick][..], &[Slide][..]));
+                let budget = if method == "event-driven" { 1e-12 } else { 2.0 * step };
+                assert!((stuck.time - 0.4).abs() < budget, "{method}: {stuck:?}");
+                assert!((slipping.time - 0.5).abs() < budget, "{method}: {slipping:?}");
+                assert!((slipping.first - 0.4).abs() < budget, "{method}: {slipping:?}");
+                assert_eq!((stuck.entered, slipping.entered), (1, 1));
+            }
+        }
     }
 }

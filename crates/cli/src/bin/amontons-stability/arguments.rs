@@ -115,7 +115,8 @@ pub struct Locus {
     /// Another parameter and its values; with --friction, one locus over µ for each of them
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_steps)]
     pub parameter: Option<(String, Values)>,
-    /// Contact state, one for all contacts (Sl), or one for each (Sl-St) [default: uniform sliding]
+    /// Contact state, one for all contacts (Sl), one for each (Sl-St), by names (pad=St,*=Sl), or `equilibrium` [default:
+    /// uniform sliding]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
     /// Print the points of all branches as CSV instead of the events

@@ -127,8 +127,8 @@ fn spectra(
             all.extend(equilibrium.filter(|states| *states != all[0]));
             let also = if all.len() > 1 { " and the equilibrium's state" } else { "" };
             eprintln!(
-                "note: {contacts} contacts: only uniform sliding{also} is examined; name other states with --state, as in \
-                 --state NAME=St,*=Sl, or give those of a run with --patterns"
+                "note: {contacts} contacts: only uniform sliding{also} is examined; name other states with --state or take those of a run \
+                 with --patterns"
             );
         }
         let spectra = spectra_shown(&all, model)?;
