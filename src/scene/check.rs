@@ -4,8 +4,8 @@ use super::missing::MissingFeature;
 use super::nearest::nearest;
 use super::network_check::quoted;
 use super::{
-    Experiment, Network, Problem, Rule, Scene, Signal, Structure, effects_check, network_check,
-    problem, ring,
+    Experiment, Network, NodeAt, Problem, Rule, Scene, Signal, Structure, effects_check,
+    network_check, problem, ring,
 };
 use crate::Error;
 use crate::error::Short;
@@ -28,6 +28,10 @@ pub(super) enum Owner {
     InitialOfModule(usize),
     Mass(usize),
     InitialOfMass(usize),
+    Superelement(usize),
+    InitialOfSuperelement(usize),
+    InitialOfNode(NodeAt),
+    ContactSet(usize),
     Spring(usize),
     Damper(usize),
     Contact(usize),
@@ -94,7 +98,8 @@ impl Scene {
         match &self.structure {
             Structure::Ring(modules) => ring::check(modules, &mut checks),
             Structure::Network(network) => {
-                network_check::check(network, self.slider, &mut checks);
+                let has_beta = self.effects.stiffness_damping;
+                network_check::check(network, self.slider, has_beta, &mut checks);
                 self.check_static_friction(network, &mut checks);
             }
         }
@@ -223,6 +228,18 @@ impl Scene {
             Owner::InitialOfModule(i) => format!("initial.module[{}]", i + 1),
             Owner::Mass(i) => format!("mass.{}", mass(i)),
             Owner::InitialOfMass(i) => format!("initial.mass.{}", mass(i)),
+            Owner::Superelement(i) | Owner::InitialOfSuperelement(i) => {
+                let name =
+                    |network: &Network| format!("superelement.{}", network.superelements[i].name);
+                network.map_or_else(String::new, name)
+            }
+            Owner::InitialOfNode(NodeAt { superelement, node }) => {
+                let name = |network: &Network| network.superelements[superelement].node_name(node);
+                format!("initial.{}", network.map_or_else(String::new, name))
+            }
+            Owner::ContactSet(i) => {
+                network.map_or_else(String::new, |network| network.contact_sets[i].clone())
+            }
             Owner::Spring(i) => {
                 format!("spring.{}", network.map_or("", |network| &*network.springs[i].name))
             }

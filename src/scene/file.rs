@@ -3,16 +3,22 @@
 #[cfg(feature = "schema")]
 use super::Rule;
 use super::check::{Owner, with_key};
+use super::contact_set_file::ContactSetTable;
 use super::effects_file::EffectsTable;
 use super::friction_file::FrictionTable;
-use super::initial_file::{self, Initial};
+use super::initial_file::{self, Initial, Subject};
 use super::integrator_file::IntegratorTable;
-use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTable, Tables};
+use super::load_file::LoadTable;
+use super::names::Names;
+use super::network_file::{ContactTable, DamperTable, MassTable, SpringTable, Tables};
+use super::outputs_file::OutputsTable;
 use super::problem;
 use super::signal_file::{self, SignalTable};
 use super::source::{Folder, Source};
+use super::superelement_file::{SuperelementTable, superelements};
 use super::{
-    Damping, Effects, Experiment, Problem, Roles, Scene, Slider, Structure, ring_file, text,
+    Damping, Effects, Experiment, Problem, Roles, Scene, Slider, Structure, Superelement,
+    ring_file, text,
 };
 use crate::Error;
 use crate::contact::Law;
@@ -21,11 +27,17 @@ use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
 
-/// A scene of Amontons: a ring of modules, or a network of masses, in frictional contact with a moving slider; SI units.
+/// A scene of Amontons: a ring of modules, or a network of masses and superelements, in frictional contact with a moving
+/// slider; SI units.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "File"))]
 #[cfg_attr(feature = "schema", schemars(extend(
-    "oneOf" = [{ "required": ["ring"] }, { "required": ["mass"] }],
+    "oneOf" = [
+        { "required": ["ring"] },
+        { "required": ["mass"], "not": { "required": ["superelement"] } },
+        { "required": ["mass", "superelement"] },
+        { "required": ["superelement"], "not": { "required": ["mass"] } },
+    ],
     "dependencies" = {
         "ring": ["slider", "friction"],
     },
@@ -55,6 +67,10 @@ pub struct SceneTables {
     #[cfg_attr(feature = "schema", schemars(length(min = 1)))]
     #[serde(default)]
     mass: Vec<MassTable>,
+    /// The superelements of a network: structures as matrices.
+    #[cfg_attr(feature = "schema", schemars(length(min = 1)))]
+    #[serde(default)]
+    superelement: Vec<SuperelementTable>,
     /// The springs of a network.
     #[serde(default)]
     spring: Vec<SpringTable>,
@@ -64,7 +80,16 @@ pub struct SceneTables {
     /// The contacts of a network.
     #[serde(default)]
     contact: Vec<ContactTable>,
-    /// Initial displacements and velocities relative to the equilibrium, one table for each module or mass.
+    /// Sets of contacts of the nodes of superelements.
+    #[serde(default)]
+    contact_set: Vec<ContactSetTable>,
+    /// Constant forces on nodes of superelements.
+    #[serde(default)]
+    load: Vec<LoadTable>,
+    /// Parts of superelements and contacts that the FMU shows.
+    #[serde(default)]
+    outputs: OutputsTable,
+    /// Initial displacements and velocities relative to the equilibrium, one table for each module, mass, node or mode.
     #[serde(default)]
     initial: Vec<Initial>,
     /// Signals: values over time that are added to inputs.
@@ -177,22 +202,32 @@ impl SceneTables {
     #[must_use]
     pub fn unlike_schema(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
-        match (&self.ring, self.mass.is_empty()) {
-            (Some(_), false) => {
-                problems.push(Problem::new(
-                    "mass",
-                    "a scene has either a [ring] or [[mass]], not both",
-                ));
+        match (&self.ring, self.is_network()) {
+            (Some(_), true) => {
+                let key = if self.mass.is_empty() { "superelement" } else { "mass" };
+                let message = format!("a scene has either a [ring] or [[{key}]], not both");
+                problems.push(Problem::new(key, message));
             }
-            (None, true) => {
-                problems.push(Problem::new("mass", "a scene needs either a [ring] or [[mass]]"));
+            (None, false) => {
+                let message = "a scene needs a [ring], or [[mass]] or [[superelement]]";
+                problems.push(Problem::new("mass", message));
             }
-            (Some(ring), true) => problems.extend(ring.lone_link()),
-            (None, false) => {}
+            (Some(ring), false) => problems.extend(ring.lone_link()),
+            (None, true) => {}
         }
         problems.extend(self.friction.as_ref().and_then(FrictionTable::unknown_law));
         problems.extend(signal_file::without_one_shape(&self.signal));
+        let all = self.superelement.iter().enumerate();
+        problems.extend(all.filter_map(|(i, table)| table.unlike_schema(i)));
+        let all = self.contact_set.iter().enumerate();
+        problems.extend(all.filter_map(|(i, table)| table.unlike_schema(i)));
+        let all = self.load.iter().enumerate();
+        problems.extend(all.filter_map(|(i, table)| table.unlike_schema(i)));
         problems
+    }
+
+    fn is_network(&self) -> bool {
+        !(self.mass.is_empty() && self.superelement.is_empty())
     }
 
     /// Makes the scene from tables that satisfy the schema ([`unlike_schema`](Self::unlike_schema) reports no
@@ -202,8 +237,14 @@ impl SceneTables {
     /// Returns all other problems, each with its path through the file.
     pub fn scene(self, name: &str, folder: &mut Folder<'_>) -> Result<Scene, Vec<Problem>> {
         let effects = self.effects();
-        let mut names = Names::of(&self.mass);
-        let (mut structure, broken) = match self.structure(&mut names) {
+        let (superelements, unread) = match superelements(&self.superelement, folder) {
+            Ok(superelements) => (superelements, None),
+            Err(problems) => (Vec::new(), Some(problems)),
+        };
+        let masses = self.mass.iter().map(|mass| &*mass.name).collect();
+        let mut names = Names::of(masses, &superelements);
+        let made = unread.map_or_else(|| self.structure(&mut names, &superelements, folder), Err);
+        let (mut structure, broken) = match made {
             Ok(structure) => (structure, None),
             Err(problems) => (Structure::Ring(Vec::new()), Some(problems)),
         };
@@ -211,6 +252,7 @@ impl SceneTables {
             None => initial_file::apply(&self.initial, &mut structure, &mut names),
             Some(_) => HashMap::new(),
         };
+        let homes = Homes { initial: homes, contacts: self.contact.len(), sets: sets(&structure) };
         let mut problems = names.problems;
         problems.extend(self.missing_tables());
         problems.extend(self.strangers());
@@ -226,6 +268,7 @@ impl SceneTables {
             friction_coefficient: friction.coefficient.unwrap_or(0.0),
             static_friction: friction.static_,
             stribeck_velocity: friction.stribeck_velocity,
+            transverse_damping: friction.transverse_damping,
             damping: Damping {
                 alpha: self.damping.alpha.unwrap_or(0.0),
                 beta: self.damping.beta.unwrap_or(0.0),
@@ -260,10 +303,15 @@ impl SceneTables {
         }
     }
 
-    fn structure(&self, names: &mut Names<'_>) -> Result<Structure, Vec<Problem>> {
+    fn structure(
+        &self,
+        names: &mut Names<'_>,
+        superelements: &[Superelement],
+        folder: &mut Folder<'_>,
+    ) -> Result<Structure, Vec<Problem>> {
         match &self.ring {
             // `unlike_schema` reports it.
-            ring if ring.is_some() != self.mass.is_empty() => Err(Vec::new()),
+            ring if ring.is_some() == self.is_network() => Err(Vec::new()),
             Some(ring) => Ok(Structure::Ring(ring.modules()?)),
             None => {
                 let tables = Tables {
@@ -272,7 +320,16 @@ impl SceneTables {
                     dampers: &self.damper,
                     contacts: &self.contact,
                 };
-                Ok(Structure::Network(tables.network(names)))
+                let mut network = tables.network(names);
+                network.superelements = superelements.to_vec();
+                for (i, set) in self.contact_set.iter().enumerate() {
+                    set.add_to(i, &mut network, names, folder);
+                }
+                for (i, load) in self.load.iter().enumerate() {
+                    load.add_to(i, &mut network, names, folder);
+                }
+                self.outputs.apply(&mut network, names);
+                Ok(Structure::Network(network))
             }
         }
     }
@@ -292,9 +349,17 @@ impl SceneTables {
                 .collect();
         }
         let mut problems = Vec::new();
-        for (i, contact) in self.contact.iter().enumerate() {
+        let contacts = self.contact.iter().enumerate().map(|(i, contact)| {
+            let needs: Box<dyn Fn(&str) -> bool> = Box::new(|table| contact.needs(table));
+            (format!("contact[{}]", i + 1), needs)
+        });
+        let sets = self.contact_set.iter().enumerate().map(|(i, set)| {
+            let needs: Box<dyn Fn(&str) -> bool> = Box::new(|table| set.needs(table));
+            (format!("contact_set[{}]", i + 1), needs)
+        });
+        for (path, needs) in contacts.chain(sets) {
             let (needed, rest): (Vec<_>, _) =
-                missing.into_iter().partition(|(table, ..)| contact.needs(table));
+                missing.into_iter().partition(|(table, ..)| needs(table));
             missing = rest;
             if !needed.is_empty() {
                 let names: Vec<String> =
@@ -303,7 +368,7 @@ impl SceneTables {
                 let (names, keys) = (names.join(" and "), keys.join(", "));
                 let message = format!("needs {names}, which the file does not contain");
                 let help = format!("add {names}, or give every contact its own {keys}");
-                problems.push(Problem::new(format!("contact[{}]", i + 1), message).help(help));
+                problems.push(Problem::new(path, message).help(help));
             }
         }
         problems
@@ -315,8 +380,10 @@ impl SceneTables {
             ("spring", self.spring.len()),
             ("damper", self.damper.len()),
             ("contact", self.contact.len()),
+            ("contact_set", self.contact_set.len()),
+            ("load", self.load.len()),
         ];
-        let is_ring = self.ring.is_some() && self.mass.is_empty();
+        let is_ring = self.ring.is_some() && !self.is_network();
         counts.into_iter().filter(move |(_, count)| is_ring && *count > 0).map(|(kind, _)| {
             Problem::new(format!("{kind}[1]"), "belongs to a network, but this scene has a [ring]")
                 .help("leave it out, or write the whole scene as a network of [[mass]]")
@@ -324,12 +391,39 @@ impl SceneTables {
     }
 }
 
-/// The key of a part's value in the file; `homes` gives the position of the `[[initial]]` of each module or mass.
-fn key_of(part: Owner, key: &str, homes: &HashMap<usize, usize>) -> String {
+/// The places of values in the file.
+struct Homes {
+    /// The index of the `[[initial]]` of each part.
+    initial: HashMap<Subject, usize>,
+    /// The number of `[[contact]]`; contacts of sets follow.
+    contacts: usize,
+    /// The set of each contact.
+    sets: Vec<Option<usize>>,
+}
+
+fn sets(structure: &Structure) -> Vec<Option<usize>> {
+    match structure {
+        Structure::Ring(_) => Vec::new(),
+        Structure::Network(network) => network.contacts.iter().map(|place| place.set).collect(),
+    }
+}
+
+/// The key of a part's value in the file.
+fn key_of(part: Owner, key: &str, homes: &Homes) -> String {
+    let initial =
+        |subject| format!("initial[{}]", homes.initial.get(&subject).map_or(0, |home| home + 1));
     let part = match part {
         Owner::Module(i) => return format!("ring.{key}[{}]", i + 1),
         Owner::InitialOfModule(owner) | Owner::InitialOfMass(owner) => {
-            format!("initial[{}]", homes.get(&owner).map_or(0, |home| home + 1))
+            initial(Subject::Part(owner))
+        }
+        Owner::InitialOfNode(at) => initial(Subject::Node(at)),
+        Owner::Superelement(i) => format!("superelement[{}]", i + 1),
+        Owner::InitialOfSuperelement(_) => "initial".to_owned(),
+        Owner::ContactSet(i) => format!("contact_set[{}]", i + 1),
+        Owner::Contact(i) if i >= homes.contacts => {
+            let set = homes.sets.get(i).copied().flatten();
+            format!("contact_set[{}]", set.map_or(0, |set| set + 1))
         }
         Owner::Mass(i) => format!("mass[{}]", i + 1),
         Owner::Spring(i) => format!("spring[{}]", i + 1),

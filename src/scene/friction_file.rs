@@ -25,6 +25,9 @@ pub(super) struct FrictionTable {
     /// Decay velocity v_s of the Stribeck law, over which friction falls from µ_s towards µ by a factor of e, m/s.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::STRIBECK_VELOCITY.bounds()))]
     pub(super) stribeck_velocity: Option<f64>,
+    /// `true` if eigenvalues have the damping µN/v of friction across the sliding, which the motion does not have.
+    #[serde(default)]
+    pub(super) transverse_damping: bool,
 }
 
 /// Schema of the laws: the name and the equation of each.
@@ -41,7 +44,7 @@ fn laws(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
 impl FrictionTable {
     /// The keys that are given, except `law`.
     fn given(&self) -> Vec<&'static str> {
-        let Self { law: _, coefficient, static_, stribeck_velocity } = self;
+        let Self { law: _, coefficient, static_, stribeck_velocity, transverse_damping: _ } = self;
         let keys = [
             ("coefficient", coefficient.is_some()),
             ("static", static_.is_some()),

@@ -11,9 +11,10 @@
 //! | `selection`, `integrator_file` | method and step given, or a tolerance in their place; that part of a file |
 //! | `roles`, `missing` | role of a value: input or parameter; explanations of features that a scene does not use |
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
-//! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
+//! | `network`, `network_check`, `network_file`, `names` | masses, springs, dampers and contacts by name |
+//! | `superelement`, `superelement_check`, `superelement_file` | structures as matrices, and their packed form |
+//! | `contact_set_file`, `load_file`, `outputs_file`, `node_table` | contacts, loads and outputs by node; CSV files of nodes |
 //! | `signal`, `signal_file`, `time_table` | values over time that drive inputs |
-//! | `superelement` | structures as matrices, and their packed form |
 //! | `source` | the files a scene is made from |
 //! | `check`, `rule` | checks of a scene; rules for its values |
 //! | `problem` | a problem found in a scene |
@@ -22,6 +23,7 @@
 
 mod builtin;
 mod check;
+mod contact_set_file;
 mod effects;
 mod effects_check;
 mod effects_file;
@@ -30,11 +32,15 @@ mod friction_file;
 mod initial_file;
 mod integrator_file;
 mod keys;
+mod load_file;
 mod missing;
+mod names;
 mod nearest;
 mod network;
 mod network_check;
 mod network_file;
+mod node_table;
+mod outputs_file;
 mod per_module;
 mod problem;
 mod ring;
@@ -46,6 +52,8 @@ mod signal;
 mod signal_file;
 mod source;
 mod superelement;
+mod superelement_check;
+mod superelement_file;
 mod text;
 mod time_table;
 
@@ -56,7 +64,10 @@ pub use effects::Effects;
 pub use file::{SceneFile, SceneTables, parse, read};
 pub use missing::MissingFeature;
 pub use nearest::{did_you_mean, nearest};
-pub use network::{ContactDefinition, Damper, GROUND, MAX_PARTS, Mass, Network, Spring, direction};
+pub use network::{
+    ContactDefinition, Coordinates, Damper, GROUND, Line, MAX_PARTS, Mass, ModeAt, Network, NodeAt,
+    Point, Spring, direction,
+};
 pub use problem::{MAX_PROBLEMS, Problem, and_more};
 pub use ring::{MAX_MODULES, Module};
 pub(crate) use roles::Group;
@@ -117,6 +128,8 @@ pub struct Scene {
     pub static_friction: Option<f64>,
     /// Decay velocity v_s > 0 of the slip velocity over which µ falls from µ_s towards µ, m/s; for a law that has one.
     pub stribeck_velocity: Option<f64>,
+    /// `true` if the eigenvalues have the damping µN/v of friction across the sliding; it has no part in the motion.
+    pub transverse_damping: bool,
     /// Rayleigh damping, C = α M + β K.
     pub damping: Damping,
     /// Effects that are simulated besides masses and springs.
@@ -142,7 +155,7 @@ pub struct Scene {
 pub enum Structure {
     /// The paper's ring of modules (section 3 and Fig. 1), each with one contact.
     Ring(Vec<Module>),
-    /// Masses in a plane, joined in any way.
+    /// Masses in a plane and superelements, joined in any way.
     Network(Network),
 }
 
@@ -242,6 +255,10 @@ impl Scene {
             Structure::Network(network) => {
                 for mass in &mut network.masses {
                     (mass.displacement, mass.velocity) = Default::default();
+                }
+                for one in &mut network.superelements {
+                    one.displacement.fill(0.0);
+                    one.velocity.fill(0.0);
                 }
             }
         }
@@ -383,7 +400,8 @@ impl Scene {
         }
     }
 
-    /// The names of the degrees of freedom, in order: `module[1].x1`, `mass.pad.x`.
+    /// The names of the degrees of freedom, in order: `module[1].x1`, `mass.pad.x`, `superelement.pad.node[17].x`,
+    /// `superelement.pad.mode[1]`.
     #[must_use]
     pub fn dof_names(&self) -> Vec<String> {
         let modules = (1..=self.modules().len())
@@ -392,7 +410,8 @@ impl Scene {
             let name = |axis: &str| format!("mass.{}.{axis}", mass.name);
             mass.free([name("x"), name("y")])
         });
-        modules.chain(masses).collect()
+        let superelements = self.superelements().iter().flat_map(Superelement::row_names);
+        modules.chain(masses).chain(superelements).collect()
     }
 
     /// The FMU's names of the inputs, which signals may drive, in no particular order.
@@ -430,7 +449,9 @@ impl Scene {
     #[must_use]
     pub fn has_common_plane(&self) -> bool {
         let is_beside = |place: &ContactDefinition| place.velocity.is_some();
-        let is_plain = |place: &ContactDefinition| place.angle.is_none() && place.on.is_none();
+        let is_plain = |place: &ContactDefinition| {
+            place.angle.is_none() && place.axes.is_none() && place.on.is_none()
+        };
         self.network().is_none_or(|network| {
             network.contacts.iter().all(|place| is_beside(place) || is_plain(place))
         })
@@ -439,7 +460,7 @@ impl Scene {
     /// `true` if the scene is a ring, or some contact of the network uses the slider's inclination.
     #[must_use]
     pub fn has_common_angle(&self) -> bool {
-        self.shares(|place| place.angle.is_some())
+        self.shares(|place| place.angle.is_some() || place.axes.is_some())
     }
 
     /// `true` if the law has friction, and some contact uses the common µ.
@@ -472,13 +493,21 @@ impl Scene {
             let name = |axis: &str| (Group::Forces, format!("mass.{}.f{axis}", mass.name));
             mass.free([name("x"), name("y")])
         });
+        let nodes = self.network().into_iter().flat_map(|network| {
+            network.shown.nodes.iter().flat_map(|at| {
+                let axes = (1..=3).zip(["fx", "fy", "fz"]);
+                let axes = axes.filter(|(axis, _)| network.node_row(*at, *axis).is_some());
+                let part = network.superelements[at.superelement].node_name(at.node);
+                axes.map(move |(_, key)| (Group::Forces, format!("{part}.{key}")))
+            })
+        });
         let (springs, contacts) = self
             .network()
             .map_or((&[][..], &[][..]), |network| (&network.springs[..], &network.contacts[..]));
         let springs = springs.iter().filter_map(|spring| {
             spring.preload.map(|_| (Group::Preload, format!("spring.{}.preload", spring.name)))
         });
-        let contacts = contacts.iter().flat_map(|place| {
+        let contacts = contacts.iter().filter(|place| place.is_shown).flat_map(|place| {
             let own = |value: Option<f64>, group, key| {
                 value.map(|_| (group, format!("contact.{}.{key}", place.name)))
             };
@@ -491,25 +520,33 @@ impl Scene {
         });
         let common = common.into_iter().filter(|(is_there, ..)| *is_there);
         let common = common.map(|(_, group, name)| (group, name.to_owned()));
-        common.chain(modules).chain(masses).chain(springs).chain(contacts)
+        common.chain(modules).chain(masses).chain(nodes).chain(springs).chain(contacts)
     }
 
     /// External forces, N, one for each degree of freedom, in order.
     pub fn external_forces(&self) -> impl Iterator<Item = f64> + '_ {
         let masses = self.masses().iter().flat_map(|mass| mass.free(mass.force));
-        self.modules().iter().flat_map(|module| module.force).chain(masses)
+        let nodes = self.superelements().iter().flat_map(|one| one.force.iter().copied());
+        self.modules().iter().flat_map(|module| module.force).chain(masses).chain(nodes)
     }
 
     /// Initial displacements from the equilibrium, m, one for each degree of freedom, in order.
     pub fn initial_displacements(&self) -> impl Iterator<Item = f64> + '_ {
         let masses = self.masses().iter().flat_map(|mass| mass.free(mass.displacement));
-        self.modules().iter().flat_map(|module| module.displacement).chain(masses)
+        let nodes = self.superelements().iter().flat_map(|one| one.displacement.iter().copied());
+        self.modules().iter().flat_map(|module| module.displacement).chain(masses).chain(nodes)
     }
 
     /// Initial velocities, m/s, one for each degree of freedom, in order.
     pub fn initial_velocities(&self) -> impl Iterator<Item = f64> + '_ {
         let masses = self.masses().iter().flat_map(|mass| mass.free(mass.velocity));
-        self.modules().iter().flat_map(|module| module.velocity).chain(masses)
+        let nodes = self.superelements().iter().flat_map(|one| one.velocity.iter().copied());
+        self.modules().iter().flat_map(|module| module.velocity).chain(masses).chain(nodes)
+    }
+
+    /// The superelements of a network; empty for a ring.
+    fn superelements(&self) -> &[Superelement] {
+        self.network().map_or(&[], |network| &network.superelements)
     }
 
     /// The masses of a network; empty for a ring.

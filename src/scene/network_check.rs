@@ -1,8 +1,10 @@
 //! Checks that a network is possible.
 
 use super::check::{Checks, Owner};
+use super::superelement_check::{self, check_axes, check_reach, exists, is_direction};
 use super::{
-    ContactDefinition, GROUND, MAX_PARTS, Mass, Network, Problem, Rule, Slider, direction,
+    ContactDefinition, GROUND, Line, MAX_PARTS, Mass, Network, Point, Problem, Rule, Slider,
+    direction,
 };
 use std::collections::HashMap;
 
@@ -12,8 +14,8 @@ const NO_PART: f64 = 1e-9;
 const ROUNDING: f64 = 1e-12;
 
 /// Reports impossible values and structures of a network.
-pub(super) fn check(network: &Network, slider: Slider, checks: &mut Checks<'_>) {
-    let Network { masses, springs, dampers, contacts } = network;
+pub(super) fn check(network: &Network, slider: Slider, has_beta: bool, checks: &mut Checks<'_>) {
+    let Network { masses, springs, dampers, contacts, superelements, .. } = network;
     for (kind, count) in [
         ("mass", masses.len()),
         ("spring", springs.len()),
@@ -26,7 +28,9 @@ pub(super) fn check(network: &Network, slider: Slider, checks: &mut Checks<'_>) 
             checks.problems.push(Problem::new(kind, message));
         }
     }
-    if masses.is_empty() {
+    if !superelements.is_empty() {
+        // They can move.
+    } else if masses.is_empty() {
         checks.problems.push(Problem::new("mass", "a network needs at least one mass"));
     } else if masses.iter().all(is_locked) {
         let message = "nothing can move: every mass is locked along both of its axes";
@@ -34,6 +38,8 @@ pub(super) fn check(network: &Network, slider: Slider, checks: &mut Checks<'_>) 
         checks.problems.push(problem.help("leave an axis of a mass out of its `locked`"));
     }
     check_names(Owner::Mass, masses.iter().map(|mass| &*mass.name), checks);
+    check_names(Owner::Superelement, superelements.iter().map(|one| &*one.name), checks);
+    check_names(Owner::ContactSet, network.contact_sets.iter().map(|set| &**set), checks);
     check_names(Owner::Spring, springs.iter().map(|spring| &*spring.name), checks);
     check_names(Owner::Damper, dampers.iter().map(|damper| &*damper.name), checks);
     check_names(Owner::Contact, contacts.iter().map(|contact| &*contact.name), checks);
@@ -42,21 +48,21 @@ pub(super) fn check(network: &Network, slider: Slider, checks: &mut Checks<'_>) 
     }
     for (i, spring) in springs.iter().enumerate() {
         let part = Owner::Spring(i);
-        check_ends(part, spring.between, masses, checks);
-        checks.value(part, "direction", spring.direction, Rule::Finite);
+        check_ends(part, spring.between, spring.direction, network, checks);
         checks.value(part, "stiffness", spring.stiffness, Rule::STIFFNESS);
         checks.value(part, "preload", spring.preload.unwrap_or(0.0), Rule::Finite);
     }
     for (i, damper) in dampers.iter().enumerate() {
         let part = Owner::Damper(i);
-        check_ends(part, damper.between, masses, checks);
-        checks.value(part, "direction", damper.direction, Rule::Finite);
+        check_ends(part, damper.between, damper.direction, network, checks);
         checks.value(part, "damping", damper.damping, Rule::DAMPING);
     }
     for (i, contact) in contacts.iter().enumerate() {
-        check_contact(Owner::Contact(i), contact, masses, slider, checks);
+        check_contact(Owner::Contact(i), contact, network, slider, checks);
     }
     check_holds(network, checks);
+    superelement_check::check(network, has_beta, checks);
+    superelement_check::check_overlaps(network, slider, checks);
 }
 
 fn is_locked(mass: &Mass) -> bool {
@@ -68,7 +74,7 @@ fn check_holds(network: &Network, checks: &mut Checks<'_>) {
     let ends = network.springs.iter().flat_map(|spring| spring.between.into_iter().flatten());
     let rubbing = network.contacts.iter().flat_map(|contact| [Some(contact.mass), contact.on]);
     let mut is_held = vec![false; network.masses.len()];
-    for place in ends.chain(rubbing.flatten()) {
+    for place in ends.chain(rubbing.flatten()).filter_map(Point::mass) {
         match is_held.get_mut(place) {
             Some(held) => *held = true,
             // An unknown name may stand for any mass that seems to be unconnected.
@@ -132,14 +138,31 @@ fn check_mass(i: usize, mass: &Mass, checks: &mut Checks<'_>) {
     }
 }
 
-fn check_ends(part: Owner, ends: [Option<usize>; 2], masses: &[Mass], checks: &mut Checks<'_>) {
-    for (j, _) in ends.iter().enumerate().filter(|(_, end)| end.is_some_and(|i| i >= masses.len()))
-    {
-        let problem = checks.problem(part, &format!("between[{}]", j + 1), NO_SUCH_MASS);
-        checks.problems.push(problem);
+fn check_ends(
+    part: Owner,
+    ends: [Option<Point>; 2],
+    line: Line,
+    network: &Network,
+    checks: &mut Checks<'_>,
+) {
+    let is_usable = match line {
+        Line::Angle(angle) => {
+            checks.value(part, "direction", angle, Rule::Finite);
+            angle.is_finite()
+        }
+        Line::Vector(vector) => is_direction(vector, (part, "direction"), checks),
+    };
+    for (j, end) in ends.iter().enumerate() {
+        let Some(point) = *end else { continue };
+        let key = format!("between[{}]", j + 1);
+        if !exists(network, point) {
+            checks.problems.push(checks.problem(part, &key, NO_SUCH_MASS));
+        } else if is_usable {
+            check_reach(network, (part, &key), point, line.vector(), checks);
+        }
     }
-    if ends[0] == ends[1] && ends[0].is_none_or(|i| i < masses.len()) {
-        let name = ends[0].map_or(GROUND, |i| &masses[i].name);
+    if ends[0] == ends[1] && ends[0].is_none_or(|point| exists(network, point)) {
+        let name = ends[0].map_or_else(|| GROUND.to_owned(), |point| network.point_name(point));
         let message = format!("joins {name} to itself");
         let problem = checks.problem(part, "between", message);
         checks.problems.push(problem.help("give two different ends"));
@@ -152,7 +175,7 @@ pub(super) const NO_SUCH_MASS: &str = "there is no mass of this name";
 fn check_contact(
     part: Owner,
     contact: &ContactDefinition,
-    masses: &[Mass],
+    network: &Network,
     slider: Slider,
     checks: &mut Checks<'_>,
 ) {
@@ -165,11 +188,12 @@ fn check_contact(
             checks.value(part, key, value, rule);
         }
     }
+    checks.value(part, "gap", contact.gap, Rule::OPENING);
     let mut bodies = Vec::new();
     for (key, place) in [("mass", Some(contact.mass)), ("on", contact.on)] {
-        match place.map(|place| masses.get(place)) {
-            Some(Some(mass)) => bodies.push(mass),
-            Some(None) => checks.problems.push(checks.problem(part, key, NO_SUCH_MASS)),
+        match place {
+            Some(point) if exists(network, point) => bodies.push((key, point)),
+            Some(_) => checks.problems.push(checks.problem(part, key, NO_SUCH_MASS)),
             None => {}
         }
     }
@@ -177,48 +201,79 @@ fn check_contact(
         return;
     }
     if contact.on == Some(contact.mass) {
-        let problem = checks.problem(part, "on", "the mass rubs on itself");
-        let help = "name another mass, or leave `on` out: it then rubs on the slider";
-        checks.problems.push(problem.of(quoted(&bodies[0].name)).help(help));
+        let itself = match contact.mass {
+            Point::Mass(_) => "the mass rubs on itself",
+            Point::Node(_) => "the node rubs on itself",
+        };
+        let problem = checks.problem(part, "on", itself);
+        let help = match contact.mass {
+            Point::Mass(_) => "name another mass, or leave `on` out: it then rubs on the slider",
+            Point::Node(_) => "name another node, or leave `on` out: it then rubs on the slider",
+        };
+        checks.problems.push(problem.of(quoted(&network.point_name(contact.mass))).help(help));
         return;
     }
-    let [cos, sin] = direction(contact.angle.unwrap_or(slider.angle));
-    let (tangent, normal) = ([cos, sin], [-sin, cos]);
+    if !check_axes(part, contact, slider, checks) {
+        return;
+    }
+    let [normal, tangent] = contact.directions(slider.angle);
+    let before = checks.problems.len();
+    for d in [normal, tangent] {
+        for &(key, point) in &bodies {
+            // Of missing directions the first is reported alone.
+            if checks.problems.len() == before {
+                check_reach(network, (part, key), point, d, checks);
+            }
+        }
+    }
+    if checks.problems.len() > before {
+        return;
+    }
     for (what, d) in [("tangent", tangent), ("normal", normal)] {
-        let can_move = |body: &&Mass| body.free(along_axes(body, d)).any(|v| v.abs() > NO_PART);
+        let can_move = |&(_, point): &(&str, Point)| match point {
+            Point::Mass(mass) => {
+                let mass = &network.masses[mass];
+                mass.free(along_axes(mass, d)).any(|v| v.abs() > NO_PART)
+            }
+            Point::Node(_) => true,
+        };
         if !bodies.iter().any(can_move) {
+            let name = |point| network.point_name(point);
             let message = match bodies[..] {
-                [mass, on] => format!("both {} and {} are locked", mass.name, on.name),
+                [(_, mass), (_, on)] => format!("both {} and {} are locked", name(mass), name(on)),
                 _ => "is locked".to_owned(),
             };
             let message = format!("{message} along the {what} of this contact");
-            let problem = checks.problem(part, "mass", message).of(quoted(&bodies[0].name));
+            let problem = checks.problem(part, "mass", message).of(quoted(&name(bodies[0].1)));
             checks
                 .problems
                 .push(problem.help("unlock an axis of a mass, or turn the contact by its `angle`"));
         }
     }
-    let gaps: Vec<[f64; 2]> = bodies
+    let gaps: Vec<Vec<f64>> = bodies
         .iter()
         .zip([1.0, -1.0])
-        .map(|(body, sign)| {
-            let [x, y] = along_axes(body, normal);
-            [sign * x * body.displacement[0], sign * y * body.displacement[1]]
+        .map(|(&(_, point), sign)| {
+            moves(network, point, normal).into_iter().map(|moved| sign * moved).collect()
         })
         .collect();
     let (gap, size) = gaps
         .iter()
         .flatten()
         .fold((0.0, 0.0), |(gap, size), part| (gap + part, f64::max(size, part.abs())));
-    if gap < -ROUNDING * size {
+    // Of a gap in the unloaded position, the equilibrium leaves a part that is not known here.
+    if contact.gap == 0.0 && gap < -ROUNDING * size {
         // The problem names the mass that penetrates the other more.
         let is_other = gaps.len() > 1 && gaps[1].iter().sum::<f64>() < gaps[0].iter().sum();
-        let place = contact.on.filter(|_| is_other).unwrap_or(contact.mass);
+        let place = match contact.on.filter(|_| is_other).unwrap_or(contact.mass) {
+            Point::Mass(mass) => Owner::InitialOfMass(mass),
+            Point::Node(at) => Owner::InitialOfNode(at),
+        };
         let message = format!(
             "starts inside the surface of contact {}, with a gap of {gap:e} m",
             contact.name
         );
-        let problem = checks.problem(Owner::InitialOfMass(place), "", message);
+        let problem = checks.problem(place, "", message);
         checks.problems.push(problem.help("the gap along the contact's normal must be ≥ 0"));
     }
 }
@@ -228,8 +283,27 @@ pub(super) fn quoted(name: &str) -> String {
     format!("{name:?}")
 }
 
+/// The parts of a point's initial displacement along a direction, m, one for each of its axes.
+fn moves(network: &Network, point: Point, d: [f64; 3]) -> Vec<f64> {
+    match point {
+        Point::Mass(mass) => {
+            let mass = &network.masses[mass];
+            let [x, y] = along_axes(mass, d);
+            vec![x * mass.displacement[0], y * mass.displacement[1]]
+        }
+        Point::Node(at) => {
+            let displacement = &network.superelements[at.superelement].displacement;
+            let along = |(axis, part): (u8, f64)| {
+                let row = network.node_row(at, axis)?;
+                Some(part * displacement.get(row)?)
+            };
+            (1..).zip(d).filter_map(along).collect()
+        }
+    }
+}
+
 /// Components of a direction in space along the axes of a mass.
-fn along_axes(mass: &Mass, d: [f64; 2]) -> [f64; 2] {
+fn along_axes(mass: &Mass, d: [f64; 3]) -> [f64; 2] {
     let [cos, sin] = direction(mass.angle);
     [d[0] * cos + d[1] * sin, d[1] * cos - d[0] * sin]
 }

@@ -1,13 +1,11 @@
 //! `[[mass]]`, `[[spring]]`, `[[damper]]` and `[[contact]]` of a scene file, and `[[initial]]` of its masses. This
-//! module replaces the names of masses by their indices.
+//! module replaces the names of points by their places.
 
 #[cfg(feature = "schema")]
 use super::Rule;
-use super::nearest::nearest;
-use super::network_check::{NO_SUCH_MASS, quoted};
-use super::{ContactDefinition, Damper, GROUND, Mass, Network, Problem, Spring};
+use super::names::{NOWHERE, Names};
+use super::{ContactDefinition, Damper, Line, Mass, Network, Problem, Spring};
 use serde::Deserialize;
-use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
 /// A mass of a network, which moves in the plane along its own axes.
@@ -16,7 +14,7 @@ use std::f64::consts::FRAC_PI_2;
 #[serde(deny_unknown_fields)]
 pub(super) struct MassTable {
     /// Name of the mass: a letter, then letters, digits and _.
-    name: String,
+    pub(super) name: String,
     /// Mass, kg.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::MASS.bounds()))]
     mass: f64,
@@ -42,37 +40,55 @@ enum Axis {
     Y,
 }
 
-/// A direction in space: "x", "y", or its angle against the horizontal in rad.
+/// An axis of space.
+#[derive(Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+enum SpaceAxis {
+    /// Axis x, to the right.
+    X,
+    /// Axis y, upwards.
+    Y,
+    /// Axis z, towards the viewer; masses do not move along it.
+    Z,
+}
+
+/// A direction in space: "x", "y", "z", its angle against the horizontal in rad, or its components.
 #[derive(Clone, Copy, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum DirectionValue {
     /// Direction along an axis.
-    Along(Axis),
+    Along(SpaceAxis),
     /// Angle against the horizontal, counterclockwise, rad.
     At(f64),
+    /// Components along x, y and z, of any length.
+    Of([f64; 3]),
 }
 
 impl DirectionValue {
-    fn angle(self) -> f64 {
+    fn line(self) -> Line {
         match self {
-            Self::Along(Axis::X) => 0.0,
-            Self::Along(Axis::Y) => FRAC_PI_2,
-            Self::At(angle) => angle,
+            Self::Along(SpaceAxis::X) => Line::Angle(0.0),
+            Self::Along(SpaceAxis::Y) => Line::Angle(FRAC_PI_2),
+            Self::Along(SpaceAxis::Z) => Line::Vector([0.0, 0.0, 1.0]),
+            Self::At(angle) => Line::Angle(angle),
+            Self::Of(vector) => Line::Vector(vector),
         }
     }
 }
 
-/// A spring between two masses, or a mass and the ground.
+/// A spring between two points, or a point and the ground.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct SpringTable {
     /// Name of the spring: a letter, then letters, digits and _.
     name: String,
-    /// Names of the two masses that it joins, or of one mass and "ground".
+    /// Names of the two points that it joins, or of one and "ground"; a point is a mass, "pad", or a node of a superelement,
+    /// "pad.17".
     between: [String; 2],
-    /// Direction in which the spring acts: "x", "y", or an angle against the horizontal in rad.
+    /// Direction in which the spring acts: "x", "y", "z", an angle against the horizontal in rad, or components.
     direction: DirectionValue,
     /// Stiffness, N/m.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
@@ -81,35 +97,44 @@ pub(super) struct SpringTable {
     preload: Option<f64>,
 }
 
-/// A damper between two masses, or a mass and the ground.
+/// A damper between two points, or a point and the ground.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct DamperTable {
     /// Name of the damper: a letter, then letters, digits and _.
     name: String,
-    /// Names of the two masses that it joins, or of one mass and "ground".
+    /// Names of the two points that it joins, or of one and "ground"; a point is a mass, "pad", or a node of a superelement,
+    /// "pad.17".
     between: [String; 2],
-    /// Direction in which the damper acts: "x", "y", or an angle against the horizontal in rad.
+    /// Direction in which the damper acts: "x", "y", "z", an angle against the horizontal in rad, or components.
     direction: DirectionValue,
     /// Damping coefficient: force per velocity, N s/m.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     damping: f64,
 }
 
-/// A frictional contact of a mass with the slider, or with another mass.
+/// A frictional contact of a point with the slider, or with another point.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactTable {
     /// Name of the contact: a letter, then letters, digits and _.
     name: String,
-    /// Name of the mass that slides.
+    /// Name of the point that slides: a mass, "pad", or a node of a superelement, "pad.17".
     mass: String,
-    /// Name of the mass that carries the sliding surface; the slider by default.
+    /// Name of the point that carries the sliding surface; the slider by default.
     on: Option<String>,
     /// Angle of the contact's tangent against the horizontal, rad; the slider's by default.
     angle: Option<f64>,
+    /// Outward normal of the surface that the point slides on, of any length; with `tangent` in place of `angle`.
+    normal: Option<[f64; 3]>,
+    /// Tangent: direction in which the surface slides, of any length; with `normal` in place of `angle`.
+    tangent: Option<[f64; 3]>,
+    /// Gap in the unloaded position, m; 0 by default.
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::OPENING.bounds()))]
+    gap: f64,
     /// Velocity of the sliding surface along the tangent, m/s; the slider's by default.
     velocity: Option<f64>,
     /// Friction coefficient µ; the common one by default.
@@ -124,7 +149,10 @@ impl ContactTable {
     /// `true` if the contact takes a value from the table: `[slider]`, or else `[friction]`.
     pub(super) fn needs(&self, table: &str) -> bool {
         match table {
-            "slider" => self.angle.is_none() || self.velocity.is_none(),
+            "slider" => {
+                let has_axes = self.angle.is_some() || self.normal.is_some();
+                !has_axes || self.velocity.is_none()
+            }
             _ => self.friction.is_none(),
         }
     }
@@ -175,7 +203,7 @@ impl Tables<'_> {
         let springs = self.springs.iter().enumerate().map(|(i, spring)| Spring {
             name: spring.name.clone(),
             between: names.ends("spring", i, &spring.between),
-            direction: spring.direction.angle(),
+            direction: spring.direction.line(),
             stiffness: spring.stiffness,
             preload: spring.preload,
         });
@@ -183,26 +211,51 @@ impl Tables<'_> {
         let dampers = self.dampers.iter().enumerate().map(|(i, damper)| Damper {
             name: damper.name.clone(),
             between: names.ends("damper", i, &damper.between),
-            direction: damper.direction.angle(),
+            direction: damper.direction.line(),
             damping: damper.damping,
         });
         let dampers = dampers.collect();
         let contacts = self.contacts.iter().enumerate().map(|(i, contact)| {
             let mut find = |key: &str, name: &str| {
-                names.place(|| format!("contact[{}].{key}", i + 1), name).unwrap_or(NOWHERE)
+                names.point(|| format!("contact[{}].{key}", i + 1), name).unwrap_or(NOWHERE)
             };
+            let mass = find("mass", &contact.mass);
+            let on = contact.on.as_deref().map(|on| find("on", on));
+            let given = (contact.normal, contact.tangent, contact.angle);
             ContactDefinition {
                 name: contact.name.clone(),
-                mass: find("mass", &contact.mass),
-                on: contact.on.as_deref().map(|on| find("on", on)),
+                set: None,
+                mass,
+                on,
                 angle: contact.angle,
+                axes: axes(given, || format!("contact[{}]", i + 1), &mut names.problems),
+                gap: contact.gap,
                 velocity: contact.velocity,
                 friction: contact.friction,
                 static_friction: contact.static_friction,
+                is_shown: true,
             }
         });
-        Network { masses, springs, dampers, contacts: contacts.collect() }
+        Network { masses, springs, dampers, contacts: contacts.collect(), ..Network::default() }
     }
+}
+
+/// Normal and tangent of a contact, which stand together and in place of an angle.
+pub(super) fn axes(
+    (normal, tangent, angle): (Option<[f64; 3]>, Option<[f64; 3]>, Option<f64>),
+    path: impl Fn() -> String,
+    problems: &mut Vec<Problem>,
+) -> Option<[[f64; 3]; 2]> {
+    let both = normal.zip(tangent);
+    if both.is_some() && angle.is_some() {
+        let message = "has both an `angle` and a `normal` with a `tangent`";
+        problems.push(Problem::new(path(), message).help("leave one of them out"));
+    } else if both.is_none() && (normal.is_some() || tangent.is_some()) {
+        let lacking = if normal.is_none() { "normal" } else { "tangent" };
+        let message = format!("needs a `{lacking}` too: normal and tangent are given together");
+        problems.push(Problem::new(path(), message));
+    }
+    both.map(|(normal, tangent)| [normal, tangent])
 }
 
 impl MassTable {
@@ -221,70 +274,5 @@ impl MassTable {
             displacement: [0.0; 2],
             velocity: [0.0; 2],
         }
-    }
-}
-
-/// Index of a mass that does not exist.
-const NOWHERE: usize = usize::MAX;
-/// Largest number of names that a help lists.
-const MAX_LISTED: usize = 12;
-
-/// Indices of the masses by name, and the problems of unknown names.
-pub(super) struct Names<'a> {
-    places: HashMap<&'a str, usize>,
-    masses: &'a [MassTable],
-    pub(super) problems: Vec<Problem>,
-}
-
-impl<'a> Names<'a> {
-    pub(super) fn of(masses: &'a [MassTable]) -> Self {
-        let mut places = HashMap::new();
-        for (place, mass) in masses.iter().enumerate() {
-            places.entry(&*mass.name).or_insert(place);
-        }
-        Self { places, masses, problems: Vec::new() }
-    }
-
-    /// Index of the mass of this name. If there is none, a problem is added and the index of the mass with a similar
-    /// name is returned.
-    pub(super) fn place(&mut self, path: impl FnOnce() -> String, name: &str) -> Option<usize> {
-        if let Some(&place) = self.places.get(name) {
-            return Some(place);
-        }
-        let meant = self.meant(name);
-        let help = match meant {
-            Some(place) => format!("did you mean {}?", quoted(&self.masses[place].name)),
-            None => self.list(),
-        };
-        self.problems.push(Problem::new(path(), NO_SUCH_MASS).of(quoted(name)).help(help));
-        meant
-    }
-
-    fn meant(&self, name: &str) -> Option<usize> {
-        let names = self.masses.iter().map(|mass| &*mass.name);
-        nearest(name, names).map(|name| self.places[name])
-    }
-
-    /// Lists the names of the masses, for a help.
-    fn list(&self) -> String {
-        let mut names: Vec<(usize, &str)> =
-            self.places.iter().map(|(&name, &place)| (place, name)).collect();
-        names.sort_unstable();
-        let names: Vec<&str> = names.into_iter().take(MAX_LISTED).map(|(_, name)| name).collect();
-        let more = if self.places.len() > MAX_LISTED { ", …" } else { "" };
-        match names[..] {
-            [one] => format!("the only mass is {one}"),
-            _ => format!("the masses are {}{more}", names.join(", ")),
-        }
-    }
-
-    /// Indices of the ends of a spring or damper; `None` for the ground.
-    fn ends(&mut self, kind: &str, part: usize, names: &[String; 2]) -> [Option<usize>; 2] {
-        let mut ends = [None; 2];
-        for (j, name) in names.iter().enumerate().filter(|(_, name)| *name != GROUND) {
-            let path = || format!("{kind}[{}].between[{}]", part + 1, j + 1);
-            ends[j] = Some(self.place(path, name).unwrap_or(NOWHERE));
-        }
-        ends
     }
 }

@@ -40,6 +40,8 @@ impl Rule {
     pub const INCLINATION: Self = Self::QuarterTurn;
     /// Rule for the initial displacement of a mass on the slider along its normal, m.
     pub const GAP: Self = Self::NotInsideSlider;
+    /// Rule for the gap of a contact in the unloaded position, m.
+    pub const OPENING: Self = Self::NotNegative;
 
     /// Returns the requirement, in words, if `value` breaks the rule.
     #[must_use]

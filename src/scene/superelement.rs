@@ -23,6 +23,9 @@ const MAGIC: [u8; 8] = *b"AMSUPER\x01";
 /// Largest number of degrees of freedom of a superelement, whose matrices have no zeros.
 pub const MAX_FREEDOMS: usize = 3000;
 
+/// Names of the directions 1 to 6.
+pub(super) const AXES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+
 /// A degree of freedom of a superelement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Freedom {
@@ -392,6 +395,25 @@ impl Superelement {
         let zeros = vec![0.0; matrices.dofs()];
         let [load, force, displacement] = [zeros.clone(), zeros.clone(), zeros.clone()];
         Self { name: name.into(), matrices, load, force, displacement, velocity: zeros }
+    }
+
+    /// The FMU's name of a node: `superelement.pad.node[17]`.
+    pub(super) fn node_name(&self, node: u64) -> String {
+        format!("superelement.{}.node[{node}]", self.name)
+    }
+
+    /// The FMU's names of the degrees of freedom, in order; modes are counted from 1.
+    pub(super) fn row_names(&self) -> impl Iterator<Item = String> + '_ {
+        let mut modes = 0;
+        self.matrices.freedoms().iter().map(move |Freedom { node, direction }| {
+            match AXES.get(usize::from(*direction).wrapping_sub(1)) {
+                Some(axis) => format!("{}.{axis}", self.node_name(*node)),
+                None => {
+                    modes += 1;
+                    format!("superelement.{}.mode[{modes}]", self.name)
+                }
+            }
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The catalogue of FMI variables (`modelDescription/`), and the variables of one scene.
 
-use crate::scene::{Group, Role, Scene, Selection, Structure};
+use crate::scene::{Group, ModeAt, Network, NodeAt, Role, Scene, Selection, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
@@ -45,6 +45,14 @@ pub enum Per {
     Contact,
     /// Once for each mass of a network.
     Mass,
+    /// Once for each node of a superelement that the scene shows.
+    Node,
+    /// Once for each modal coordinate of a superelement that the scene shows.
+    Mode,
+    /// Once for each node of a superelement with initial values of its own.
+    InitialNode,
+    /// Once for each modal coordinate of a superelement with initial values of its own.
+    InitialMode,
     /// Once for each spring of a network.
     Spring,
     /// Once for each damper of a network.
@@ -249,15 +257,27 @@ fn count(scene: &Scene, per: Per) -> usize {
         (Per::Mass, Structure::Network(network)) => network.masses.len(),
         (Per::Spring, Structure::Network(network)) => network.springs.len(),
         (Per::Damper, Structure::Network(network)) => network.dampers.len(),
-        (Per::Mass | Per::Spring | Per::Damper, Structure::Ring(_))
-        | (Per::Module, Structure::Network(_))
-        | (Per::Fmu, _) => 0,
+        (Per::Node, Structure::Network(network)) => network.shown.nodes.len(),
+        (Per::Mode, Structure::Network(network)) => network.shown.modes.len(),
+        (Per::InitialNode, Structure::Network(network)) => network.started.nodes.len(),
+        (Per::InitialMode, Structure::Network(network)) => network.started.modes.len(),
+        (_, Structure::Ring(_)) | (Per::Module, Structure::Network(_)) | (Per::Fmu, _) => 0,
     }
 }
 
 /// Text in place of `{i}` in the names of a part's variables.
 fn part(scene: &Scene, per: Per, index: usize) -> String {
+    let node = |network: &Network, NodeAt { superelement, node }: NodeAt| {
+        format!(".{}.node[{node}]", network.superelements[superelement].name)
+    };
+    let mode = |network: &Network, ModeAt { superelement, mode }: ModeAt| {
+        format!(".{}.mode[{}]", network.superelements[superelement].name, mode + 1)
+    };
     let name = match (per, scene.network()) {
+        (Per::Node, Some(network)) => return node(network, network.shown.nodes[index]),
+        (Per::Mode, Some(network)) => return mode(network, network.shown.modes[index]),
+        (Per::InitialNode, Some(network)) => return node(network, network.started.nodes[index]),
+        (Per::InitialMode, Some(network)) => return mode(network, network.started.modes[index]),
         (Per::Contact, Some(network)) => &network.contacts[index].name,
         (Per::Mass, Some(network)) => &network.masses[index].name,
         (Per::Spring, Some(network)) => &network.springs[index].name,
@@ -267,11 +287,31 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
     format!(".{name}")
 }
 
+/// The superelement and the row in it to which a variable of a node or mode belongs; `None` if there is no such degree of
+/// freedom, and for variables of other parts.
+pub(super) fn superelement_row(
+    network: &Network,
+    template: &Template,
+    index: usize,
+) -> Option<(usize, usize)> {
+    let direction = u8::try_from(template.component + 1).ok()?;
+    let node = |at: NodeAt| Some((at.superelement, network.node_row(at, direction)?));
+    let mode = |at: ModeAt| Some((at.superelement, network.mode_row(at)?));
+    match template.per {
+        Per::Node => node(network.shown.nodes[index]),
+        Per::Mode => mode(network.shown.modes[index]),
+        Per::InitialNode => node(network.started.nodes[index]),
+        Per::InitialMode => mode(network.started.modes[index]),
+        _ => None,
+    }
+}
+
 /// The components of a module's stiffness that link it to the next module: k1 and k2.
 const LINKS: [usize; 2] = [0, 1];
 
 /// Returns `true` if the scene has the variable. Features that the scene does not use have no variables: damping,
-/// links, preload, external forces, locked degrees of freedom, v and µ of a contact without its own, static friction,
+/// links, preload, external forces, locked degrees of freedom, contacts that the scene does not choose, v and µ of a
+/// contact without its own, static friction,
 /// effects, a step that a tolerance chooses, and reactions of a slider without contacts.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
@@ -324,6 +364,11 @@ fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
         };
     };
     match (template.per, template.quantity) {
+        (Per::Node | Per::Mode | Per::InitialNode | Per::InitialMode, _) => {
+            superelement_row(network, template, index).is_some()
+        }
+        // An FMU with all values of hundreds of contacts helps nobody.
+        (Per::Contact, _) if !network.contacts[index].is_shown => false,
         (Per::Mass, Quantity::Mass) => true,
         (Per::Mass, _) => !network.masses[index].locked[template.component],
         (_, Quantity::Preload) => network.springs[index].preload.is_some(),

@@ -38,7 +38,7 @@ use crate::model::{Equilibrium, LumpedModel};
 use crate::scene::{Method, Scene, Structure};
 use crate::selection::{Selected, select};
 use crate::stability::StepGuard;
-use catalogue::Quantity;
+use catalogue::{Quantity, superelement_row};
 use clock::{Clock, StepPlan};
 use monitor::StabilityMonitor;
 use serde::{Deserialize, Serialize};
@@ -603,10 +603,13 @@ fn are_finite(values: &[f64]) -> bool {
 /// The degree of freedom to which a variable belongs.
 fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
     let (index, component) = (variable.index, variable.template.component);
-    match scene.structure {
+    // Locked degrees of freedom, and those that a node does not have, have no variables.
+    match &scene.structure {
         Structure::Ring(_) => MODULE_DOFS * index + component,
-        // Locked degrees of freedom have no variables.
-        Structure::Network(_) => numbering.dof(index, component).unwrap_or(0),
+        Structure::Network(network) => match superelement_row(network, variable.template, index) {
+            Some((superelement, row)) => numbering.row(superelement, row).unwrap_or(0),
+            None => numbering.dof(index, component).unwrap_or(0),
+        },
     }
 }
 

@@ -1,11 +1,13 @@
 //! Reading and writing of the catalogue's variables.
 
 use super::Simulation;
-use super::catalogue::{Kind, Quantity, Template, Variable, output, parameter_or_input};
+use super::catalogue::{
+    Kind, Per, Quantity, Template, Variable, output, parameter_or_input, superelement_row,
+};
 use super::parameters::not_settable;
 use crate::Error;
 use crate::contact::ContactForce;
-use crate::scene::{Network, Problem, Rule, Scene, Structure};
+use crate::scene::{Mass, Network, Problem, Rule, Scene, Structure, Superelement};
 
 /// Reference to a parameter or input in a scene; `None` for an output, and for a value that the scene does not have.
 pub(super) fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<&'a mut f64> {
@@ -36,15 +38,31 @@ pub(super) fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<
         },
         Quantity::ExternalForce => match structure {
             Structure::Ring(modules) => &mut modules[i].force[component],
-            Structure::Network(network) => &mut network.masses[i].force[component],
+            Structure::Network(network) => {
+                return of_point(network, variable, |mass| &mut mass.force, |one| &mut one.force);
+            }
         },
         Quantity::InitialDisplacement => match structure {
             Structure::Ring(modules) => &mut modules[i].displacement[component],
-            Structure::Network(network) => &mut network.masses[i].displacement[component],
+            Structure::Network(network) => {
+                return of_point(
+                    network,
+                    variable,
+                    |mass| &mut mass.displacement,
+                    |one| &mut one.displacement,
+                );
+            }
         },
         Quantity::InitialVelocity => match structure {
             Structure::Ring(modules) => &mut modules[i].velocity[component],
-            Structure::Network(network) => &mut network.masses[i].velocity[component],
+            Structure::Network(network) => {
+                return of_point(
+                    network,
+                    variable,
+                    |mass| &mut mass.velocity,
+                    |one| &mut one.velocity,
+                );
+            }
         },
         Quantity::DamperDamping => &mut network_of(structure)?.dampers[i].damping,
         Quantity::OwnVelocity => return network_of(structure)?.contacts[i].velocity.as_mut(),
@@ -54,6 +72,22 @@ pub(super) fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<
         }
         Quantity::Strict | output!() => return None,
     })
+}
+
+/// The value of a mass, or of a superelement's degree of freedom, to which a variable belongs.
+fn of_point<'a>(
+    network: &'a mut Network,
+    variable: &Variable,
+    of_mass: fn(&mut Mass) -> &mut [f64; 2],
+    of_superelement: fn(&mut Superelement) -> &mut Vec<f64>,
+) -> Option<&'a mut f64> {
+    match superelement_row(network, variable.template, variable.index) {
+        Some((place, row)) => of_superelement(&mut network.superelements[place]).get_mut(row),
+        None => {
+            let mass = network.masses.get_mut(variable.index)?;
+            of_mass(mass).get_mut(variable.template.component)
+        }
+    }
 }
 
 fn network_of(structure: &mut Structure) -> Option<&mut Network> {
@@ -174,7 +208,11 @@ pub fn rule(variable: &Variable) -> Rule {
         Quantity::StribeckVelocity => Rule::STRIBECK_VELOCITY,
         Quantity::IntegratorStep => Rule::TIME,
         // Component 3 is x4 of a module.
-        Quantity::InitialDisplacement if variable.template.component == 3 => Rule::GAP,
+        Quantity::InitialDisplacement
+            if (variable.template.component, variable.template.per) == (3, Per::Module) =>
+        {
+            Rule::GAP
+        }
         Quantity::SliderVelocity
         | Quantity::SliderAngle
         | Quantity::Preload
