@@ -58,22 +58,27 @@ pub fn named_states(
     Ok(states.map(|(named, equilibrium)| named.or(others).unwrap_or(equilibrium)).collect())
 }
 
-/// `true` if the name is that of a contact (from 0), with or without `contact.`.
+/// `true` if the name is that of a contact (from 0), with or without `contact.`, or of its set.
 fn is_named(scene: &Scene, contact: usize, name: &str) -> bool {
     let full = scene.contact_name(contact);
-    full == name || full.strip_prefix("contact.") == Some(name)
+    let set = scene.network().and_then(|network| {
+        let set = network.contacts[contact].set?;
+        Some(&*network.contact_sets[set])
+    });
+    full == name || full.strip_prefix("contact.") == Some(name) || set == Some(name)
 }
 
 fn unknown(scene: &Scene, name: &str) -> Error {
-    let names: Vec<String> = (0..scene.contact_count()).map(|i| scene.contact_name(i)).collect();
-    let short = |name: &str| name.strip_prefix("contact.").unwrap_or(name).to_owned();
-    let short: Vec<String> = names.iter().map(|name| short(name)).collect();
-    let help = did_you_mean(name, short.iter().map(|name| &**name)).unwrap_or_else(|| {
-        let shown = short.iter().take(8).cloned().collect::<Vec<_>>().join(", ");
-        let more = if short.len() > 8 { " and more" } else { "" };
+    let sets = scene.network().map_or(&[][..], |network| &network.contact_sets).iter().cloned();
+    let contacts = (0..scene.contact_count()).map(|contact| scene.contact_name(contact));
+    let short = |full: String| full.strip_prefix("contact.").map_or(full.clone(), str::to_owned);
+    let names: Vec<String> = sets.chain(contacts.map(short)).collect();
+    let help = did_you_mean(name, names.iter().map(|name| &**name)).unwrap_or_else(|| {
+        let shown = names.iter().take(8).cloned().collect::<Vec<_>>().join(", ");
+        let more = if names.len() > 8 { " and more" } else { "" };
         format!("there are {shown}{more}, and {OTHERS} for all others")
     });
-    Error::argument(format!("{} has no contact {name}; {help}", scene.name))
+    Error::argument(format!("{} has no contact and no set of contacts {name}; {help}", scene.name))
 }
 
 #[cfg(test)]
