@@ -188,7 +188,7 @@ mod tests {
                 let text = format!(
                     "integrator = {{ method = \"{method}\", step = {step} }}\n\
                      slider = {{ velocity = 0.1, angle = 0.0 }}\nfriction = {{ coefficient = 0.4 }}\n\
-                     mass = [{{ name = \"m\", mass = 1.0, load = [0.0, -10.0] }}]\n\
+                     mass = [{{ name = \"m\", mass = 1.0, force = [0.0, -10.0] }}]\n\
                      spring = [{{ name = \"k\", between = [\"m\", \"ground\"], direction = \"x\", stiffness = 100.0 }}]\n\
                      contact = [{{ name = \"belt\", mass = \"m\" }}]\n\
                      initial = [{{ mass = \"m\", x = -0.04, vx = 0.1 }}]\neffects = {{ energy = {energy} }}\n"

@@ -1,18 +1,28 @@
 //! Values that are possible, but look like those of another unit or of another machine: angles in degrees, stiffnesses
 //! in N/mm, one slider that would have to go two ways.
 
+use amontons::assembly::Numbering;
 use amontons::model::Equilibrium;
-use amontons::scene::{ContactDefinition, Network, Scene, direction};
+use amontons::scene::{ContactDefinition, Network, Point, Scene, Superelement, direction};
 use amontons::simulation::Simulation;
 use std::f64::consts::{PI, TAU};
 
 /// A spring whose ends the equilibrium moves apart or together by more, m, is doubtful: those of machines yield by
 /// less than a millimetre, and their stiffnesses in N/mm, read in N/m, by a thousand times that.
 const FAR: f64 = 0.05;
+/// A node of a superelement that the load moves farther, m, is doubtful.
+const FAR_NODE: f64 = 0.02;
 /// Weights do hang on soft springs, so the spring's force must be more than this many times the weight of all masses.
 const WEIGHTS: f64 = 10.0;
 /// Preloads that press all contacts on with less than this part of the masses' weight are doubtful.
 const FAINT: f64 = 0.02;
+/// A superelement is doubtful beside another one that has more than so many times its mass, and so many
+/// times its stiffness.
+const LIGHT: [f64; 2] = [500.0, 100.0];
+/// A superelement of less mass, kg, is doubtful if its own springs and masses make it a body of metal.
+const FEATHER: f64 = 5e-3;
+/// Stiffness by mass of a structure whose parts ring above some kHz, 1/s².
+const RIGID: f64 = 1e8;
 /// Acceleration of gravity, m/s².
 const GRAVITY: f64 = 9.81;
 /// Tangents whose product is this near to −1 are opposite.
@@ -24,6 +34,8 @@ pub(crate) fn doubts(simulation: &Simulation) -> Vec<String> {
     let mut doubts: Vec<String> = angles(scene).filter_map(doubtful_angle).collect();
     doubts.extend(strained(scene, reference));
     doubts.extend(faint(scene, reference));
+    doubts.extend(far(scene, reference));
+    doubts.extend(light(scene));
     doubts.extend(parted(scene));
     doubts
 }
@@ -34,7 +46,10 @@ pub(crate) fn doubts(simulation: &Simulation) -> Vec<String> {
 pub fn doubts_of(scene: &Scene) -> Vec<String> {
     match Simulation::new(scene.clone(), 0.0) {
         Ok(simulation) => doubts(&simulation),
-        Err(_) => angles(scene).filter_map(doubtful_angle).chain(parted(scene)).collect(),
+        Err(_) => {
+            let angles = angles(scene).filter_map(doubtful_angle);
+            angles.chain(light(scene)).chain(parted(scene)).collect()
+        }
     }
 }
 
@@ -45,9 +60,13 @@ fn angles(scene: &Scene) -> impl Iterator<Item = (String, f64)> + '_ {
     let own = network.flat_map(|network| {
         let masses = network.masses.iter().map(|m| (format!("mass.{}.angle", m.name), m.angle));
         let springs = network.springs.iter();
-        let springs = springs.map(|s| (format!("spring.{}.direction", s.name), s.direction));
+        let springs = springs.filter_map(|s| {
+            s.direction.angle().map(|angle| (format!("spring.{}.direction", s.name), angle))
+        });
         let dampers = network.dampers.iter();
-        let dampers = dampers.map(|d| (format!("damper.{}.direction", d.name), d.direction));
+        let dampers = dampers.filter_map(|d| {
+            d.direction.angle().map(|angle| (format!("damper.{}.direction", d.name), angle))
+        });
         let contacts = network.contacts.iter();
         let contacts = contacts
             .filter_map(|c| c.angle.map(|angle| (format!("contact.{}.angle", c.name), angle)));
@@ -71,11 +90,11 @@ fn doubtful_angle((name, angle): (String, f64)) -> Option<String> {
 /// The spring that the equilibrium strains most, where that is doubtful.
 fn strained(scene: &Scene, reference: &Equilibrium) -> Option<String> {
     let network = scene.network()?;
-    let moved = displacements(network, &reference.displacement);
+    let numbering = Numbering::of(network);
     let strains = network.springs.iter().map(|spring| {
-        let [a, b] = spring.between.map(|end| end.map_or([0.0; 2], |mass| moved[mass]));
-        let [cos, sin] = direction(spring.direction);
-        let strain = cos * (a[0] - b[0]) + sin * (a[1] - b[1]);
+        let moved = |end| displacement(network, &numbering, &reference.displacement, end);
+        let [a, b] = spring.between.map(|end| end.map_or([0.0; 3], moved));
+        let strain = dot(spring.direction.vector(), [a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
         (spring, strain.abs(), spring.stiffness * (strain - spring.preload.unwrap_or(0.0)).abs())
     });
     let heavy = WEIGHTS * weight(scene);
@@ -89,22 +108,32 @@ fn strained(scene: &Scene, reference: &Equilibrium) -> Option<String> {
     ))
 }
 
-/// The displacements of a network's masses, to the right and up, m.
-fn displacements(network: &Network, free: &[f64]) -> Vec<[f64; 2]> {
-    let mut free = free.iter().copied();
-    let moved = network.masses.iter().map(|mass| {
-        let [x, y] =
-            mass.locked.map(|locked| if locked { 0.0 } else { free.next().unwrap_or(0.0) });
-        let [cos, sin] = direction(mass.angle);
-        [x * cos - y * sin, x * sin + y * cos]
-    });
-    moved.collect()
+/// The displacement of a point, to the right, up and towards the viewer, m.
+fn displacement(network: &Network, numbering: &Numbering, free: &[f64], point: Point) -> [f64; 3] {
+    let value = |dof: Option<usize>| dof.and_then(|dof| free.get(dof)).copied().unwrap_or(0.0);
+    match point {
+        Point::Mass(mass) => {
+            let [x, y] = [0, 1].map(|axis| value(numbering.dof(mass, axis)));
+            let [cos, sin] = direction(network.masses[mass].angle);
+            [x * cos - y * sin, x * sin + y * cos, 0.0]
+        }
+        Point::Node(at) => [1, 2, 3].map(|axis| {
+            let row = network.node_row(at, axis);
+            value(row.and_then(|row| numbering.row(at.superelement, row)))
+        }),
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Contacts that preloads alone press on, hardly.
 fn faint(scene: &Scene, reference: &Equilibrium) -> Option<String> {
     let loads = scene.network().map_or(&[][..], |network| &network.masses);
-    if loads.iter().any(|mass| mass.load != [0.0; 2]) {
+    let superelements = scene.network().map_or(&[][..], |network| &network.superelements);
+    let has_loads = superelements.iter().any(|one| one.load.iter().any(|load| *load != 0.0));
+    if has_loads || loads.iter().any(|mass| mass.load != [0.0; 2]) {
         return None;
     }
     let (pressed, weight) = (reference.normal_force.iter().sum::<f64>(), weight(scene));
@@ -120,7 +149,87 @@ fn faint(scene: &Scene, reference: &Equilibrium) -> Option<String> {
 fn weight(scene: &Scene) -> f64 {
     let modules = scene.modules().iter().flat_map(|module| module.mass);
     let masses = scene.network().map_or(&[][..], |network| &network.masses);
-    GRAVITY * modules.chain(masses.iter().map(|mass| mass.mass)).sum::<f64>()
+    let superelements = scene.network().map_or(&[][..], |network| &network.superelements);
+    let masses = modules.chain(masses.iter().map(|mass| mass.mass));
+    GRAVITY * masses.chain(superelements.iter().filter_map(mass_of)).sum::<f64>()
+}
+
+/// The mass of a superelement, kg: that which a translation of its nodes moves, along the axis with most of it. `None` for
+/// modal coordinates alone.
+fn mass_of(superelement: &Superelement) -> Option<f64> {
+    let matrices = &superelement.matrices;
+    let along = |axis: u8| {
+        let freedoms = matrices.freedoms().iter().enumerate();
+        let rows: Vec<usize> =
+            freedoms.filter(|(_, one)| one.direction == axis).map(|(row, _)| row).collect();
+        let n = matrices.dofs();
+        let of_row =
+            |row: &usize| rows.iter().map(|column| matrices.mass()[row * n + column]).sum::<f64>();
+        rows.iter().map(of_row).sum::<f64>()
+    };
+    Some((1..=3).map(along).fold(0.0, f64::max)).filter(|mass| *mass > 0.0)
+}
+
+/// The node that the load moves farthest, where that is farther than a structure yields.
+fn far(scene: &Scene, reference: &Equilibrium) -> Option<String> {
+    let network = scene.network()?;
+    let numbering = Numbering::of(network);
+    let mut farthest: Option<(f64, usize, u64)> = None;
+    for (i, one) in network.superelements.iter().enumerate() {
+        for (row, freedom) in one.matrices.freedoms().iter().enumerate() {
+            let dof = numbering.row(i, row).filter(|_| matches!(freedom.direction, 1..=3));
+            let moved =
+                dof.and_then(|dof| reference.displacement.get(dof)).map_or(0.0, |x| x.abs());
+            if moved > FAR_NODE && farthest.is_none_or(|(most, ..)| moved > most) {
+                farthest = Some((moved, i, freedom.node));
+            }
+        }
+    }
+    let (moved, place, node) = farthest?;
+    let name = &network.superelements[place].name;
+    Some(format!(
+        "the load moves node {node} of superelement {name} by {moved:.3} m in the equilibrium; if its matrices are in N, mm, t \
+         and s, write `units = \"N-mm-t-s\"`"
+    ))
+}
+
+/// A superelement whose matrices look like those of another system of units: light and soft by the same factor, beside
+/// all others. The frequencies of a structure do not tell newton and millimetre from newton and metre.
+fn light(scene: &Scene) -> Option<String> {
+    let network = scene.network()?;
+    let sizes: Vec<(&str, f64, f64)> = network
+        .superelements
+        .iter()
+        .filter_map(|one| Some((&*one.name, mass_of(one)?, stiffest(one)?)))
+        .collect();
+    for &(name, mass, stiffness) in &sizes {
+        let other = sizes
+            .iter()
+            .find(|(_, heavy, stiff)| *heavy > LIGHT[0] * mass && *stiff > LIGHT[1] * stiffness);
+        if let Some((other, heavy, stiff)) = other {
+            return Some(format!(
+                "superelement {name} has 1/{:.0} of the mass and 1/{:.0} of the stiffness of {other}; if its matrices are in N, mm, t \
+                 and s, write `units = \"N-mm-t-s\"`",
+                heavy / mass,
+                stiff / stiffness
+            ));
+        }
+        if mass < FEATHER && stiffness / mass > RIGID {
+            return Some(format!(
+                "superelement {name} has a mass of {mass:.3e} kg; if its matrices are in N, mm, t and s, write \
+                 `units = \"N-mm-t-s\"`"
+            ));
+        }
+    }
+    None
+}
+
+/// The largest stiffness of a displacement of a node, N/m.
+fn stiffest(superelement: &Superelement) -> Option<f64> {
+    let matrices = &superelement.matrices;
+    let freedoms = matrices.freedoms().iter().enumerate();
+    let nodes = freedoms.filter(|(_, one)| matches!(one.direction, 1..=3));
+    nodes.map(|(row, _)| matrices.stiffness()[row * (matrices.dofs() + 1)]).reduce(f64::max)
 }
 
 /// Two contacts on opposite sides of what the common slider moves, which then goes two ways. With a third one at
@@ -133,8 +242,8 @@ fn parted(scene: &Scene) -> Option<String> {
     }
     let common = || network.contacts.iter().filter(|place| place.velocity.is_none());
     let along = |a: &ContactDefinition, b: &ContactDefinition| {
-        let [a, b] = [a, b].map(|place| direction(place.angle.unwrap_or(scene.slider.angle)));
-        a[0] * b[0] + a[1] * b[1]
+        let [a, b] = [a, b].map(|place| place.directions(scene.slider.angle)[1]);
+        dot(a, b)
     };
     common().find_map(|one| {
         let mut beside = common().filter(|other| other.on == one.on);

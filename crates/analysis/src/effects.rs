@@ -1,7 +1,7 @@
 //! All effects of the model for one scene: each is on or off, with the scene that has the effect the other way round.
 
 use amontons::contact::Law;
-use amontons::scene::{Damper, ForceRole, Scene, Structure};
+use amontons::scene::{Damper, ForceRole, Line, Point, Scene, Structure};
 use amontons::simulation::variables;
 use std::collections::BTreeSet;
 
@@ -143,8 +143,13 @@ fn set_dampers(scene: &mut Scene, on: bool) {
     let Structure::Network(network) = &mut scene.structure else { return };
     network.dampers.clear();
     if on && !network.masses.is_empty() {
-        let between = [Some(0), None];
+        let between = [Some(Point::Mass(0)), None];
         let name = "one".to_owned();
-        network.dampers.push(Damper { name, between, direction: 0.0, damping: NEXT_TO_NOTHING });
+        network.dampers.push(Damper {
+            name,
+            between,
+            direction: Line::Angle(0.0),
+            damping: NEXT_TO_NOTHING,
+        });
     }
 }

@@ -7,8 +7,8 @@
 use super::importing::first;
 use super::{can_squeal, counted};
 use amontons::model::Equilibrium;
-use amontons::scene::{ContactDefinition, Network, Scene, direction};
-use amontons::simulation::catalogue::{Causality, Quantity, Variable};
+use amontons::scene::{ContactDefinition, Network, Point, Scene, direction};
+use amontons::simulation::catalogue::{Causality, Per, Quantity, Variable};
 use amontons_pictures::picture::significant;
 
 /// Conditions under which a coupling converges (`examples/importers/README.md`).
@@ -45,24 +45,35 @@ fn velocity_along<'a>(
     force: &Variable,
     variables: &'a [Variable],
 ) -> Option<&'a Variable> {
-    let find = |quantity: Quantity, index: usize, component: usize| {
+    let find = |quantity: Quantity, per: Per, index: usize, component: usize| {
         variables.iter().find(|v| {
-            (v.template.quantity, v.index, v.template.component) == (quantity, index, component)
+            (v.template.quantity, v.template.per, v.index, v.template.component)
+                == (quantity, per, index, component)
         })
     };
     let axis = force.template.component;
     // Against its tangent the slip is the velocity over a surface that may itself move (`scenes/drive.toml`).
     let slips_along = |network: &Network| {
+        let (point, along) = match force.template.per {
+            Per::Mass => {
+                let [cos, sin] = direction(network.masses[force.index].angle);
+                let axes = [[cos, sin, 0.0], [-sin, cos, 0.0]];
+                (Point::Mass(force.index), axes[axis])
+            }
+            _ => {
+                let mut along = [0.0; 3];
+                along[axis] = 1.0;
+                (Point::Node(network.shown.nodes[force.index]), along)
+            }
+        };
         network.contacts.iter().position(|place| {
             let tangent = tangent(scene, place);
-            let [cos, sin] = direction(network.masses[force.index].angle);
-            let along = [[cos, sin], [-sin, cos]][axis];
-            (place.mass, place.on) == (force.index, None) && dot(tangent, along) < SAME - 1.0
+            (place.mass, place.on) == (point, None) && dot(tangent, along) < SAME - 1.0
         })
     };
     let slip = scene.network().and_then(slips_along);
-    let slip = slip.and_then(|contact| find(Quantity::SlipVelocity, contact, 0));
-    slip.or_else(|| find(Quantity::Velocity, force.index, axis))
+    let slip = slip.and_then(|contact| find(Quantity::SlipVelocity, Per::Contact, contact, 0));
+    slip.or_else(|| find(Quantity::Velocity, force.template.per, force.index, axis))
 }
 
 /// The drive of a surface.
@@ -158,12 +169,12 @@ fn moved_together(
     }
 }
 
-fn tangent(scene: &Scene, place: &ContactDefinition) -> [f64; 2] {
-    direction(place.angle.unwrap_or(scene.slider.angle))
+fn tangent(scene: &Scene, place: &ContactDefinition) -> [f64; 3] {
+    place.directions(scene.slider.angle)[1]
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl Surface {

@@ -76,7 +76,14 @@ fn structure(scene: &Scene, model: &LumpedModel) -> String {
             format!("a ring of {}", counted(modules.len(), "module", "modules"))
         }
         Structure::Network(network) => {
-            let mut parts = vec![counted(network.masses.len(), "mass", "masses")];
+            let mut parts = Vec::new();
+            if !network.masses.is_empty() || network.superelements.is_empty() {
+                parts.push(counted(network.masses.len(), "mass", "masses"));
+            }
+            if !network.superelements.is_empty() {
+                let count = network.superelements.len();
+                parts.push(counted(count, "superelement", "superelements"));
+            }
             if !network.springs.is_empty() {
                 parts.push(counted(network.springs.len(), "spring", "springs"));
             }

@@ -1,7 +1,10 @@
 //! Another method and step, other initial values, or packed matrices, written into a scene file.
 
 use amontons::Error;
-use amontons::scene::{Method, PACKED, Preset, Scene, Source, Structure};
+use amontons::scene::{
+    Coordinates, Freedom, Method, ModeAt, Network, NodeAt, PACKED, Preset, Scene, Source,
+    Structure, Superelement,
+};
 use serde::Serialize;
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
@@ -22,11 +25,11 @@ pub fn set_preset(source: &mut Source, preset: Preset) -> Result<(), Error> {
 }
 
 /// Writes the scene's initial values into its file in place of all `[[initial]]`; all else stays as it is, comments
-/// included.
+/// included. The scene then has variables for the initial values of the nodes and modes that the file names.
 ///
 /// # Errors
 /// Returns an error if the file is not TOML.
-pub fn set_initial(source: &mut Source, scene: &Scene) -> Result<(), Error> {
+pub fn set_initial(source: &mut Source, scene: &mut Scene) -> Result<(), Error> {
     let mut document = parsed(source)?;
     let mut tables = ArrayOfTables::new();
     let mut add = |key: &str, of: toml_edit::Value, values: &[(&str, f64)]| {
@@ -55,9 +58,19 @@ pub fn set_initial(source: &mut Source, scene: &Scene) -> Result<(), Error> {
                 let values = [("x", x), ("y", y), ("vx", vx), ("vy", vy)];
                 add("mass", mass.name.as_str().into(), &values);
             }
+            for one in &network.superelements {
+                for (key, of, values) in superelement_initial(one) {
+                    let values: Vec<(&str, f64)> =
+                        values.iter().map(|(key, value)| (&**key, *value)).collect();
+                    add(key, of.into(), &values);
+                }
+            }
         }
     }
     document.insert("initial", tables.into());
+    if let Structure::Network(network) = &mut scene.structure {
+        network.started = started(network);
+    }
     source.text = document.to_string();
     Ok(())
 }
@@ -110,6 +123,54 @@ fn name_packed(table: &mut dyn TableLike) {
         }
         table.insert("file", toml_edit::value(format!("{name}.{PACKED}")));
     }
+}
+
+/// The nodes and modes of a network that do not start at rest in the equilibrium, in the order of [`superelement_initial`].
+fn started(network: &Network) -> Coordinates {
+    let mut started = Coordinates::default();
+    for (superelement, one) in network.superelements.iter().enumerate() {
+        let rows = one.matrices.freedoms().iter().zip(one.displacement.iter().zip(&one.velocity));
+        let rows = rows.map(|(freedom, (place, speed))| (freedom, *place != 0.0 || *speed != 0.0));
+        let modes = rows.clone().filter(|(freedom, _)| freedom.direction == 0).enumerate();
+        let modes = modes.filter(|(_, (_, moves))| *moves);
+        started.modes.extend(modes.map(|(mode, _)| ModeAt { superelement, mode }));
+        let mut nodes: Vec<(u64, bool)> = Vec::new();
+        for (Freedom { node, .. }, moves) in rows.filter(|(freedom, _)| freedom.direction != 0) {
+            match nodes.iter_mut().find(|(known, _)| known == node) {
+                Some((_, known)) => *known |= moves,
+                None => nodes.push((*node, moves)),
+            }
+        }
+        let nodes = nodes.into_iter().filter(|(_, moves)| *moves);
+        started.nodes.extend(nodes.map(|(node, _)| NodeAt { superelement, node }));
+    }
+    started
+}
+
+/// The initial values of a superelement, node by node and mode by mode: key and name of each, and its values.
+fn superelement_initial(one: &Superelement) -> Vec<(&'static str, String, Vec<(String, f64)>)> {
+    let mut all: Vec<(&'static str, String, Vec<(String, f64)>)> = Vec::new();
+    let mut modes = 0;
+    for (row, freedom) in one.matrices.freedoms().iter().enumerate() {
+        let (value, rate) = (one.displacement[row], one.velocity[row]);
+        let axes = ["x", "y", "z", "rx", "ry", "rz"];
+        match axes.get(usize::from(freedom.direction).wrapping_sub(1)) {
+            None => {
+                modes += 1;
+                let values = vec![("q".to_owned(), value), ("v".to_owned(), rate)];
+                all.push(("mode", format!("{}.{modes}", one.name), values));
+            }
+            Some(axis) => {
+                let name = format!("{}.{}", one.name, freedom.node);
+                let values = [((*axis).to_owned(), value), (format!("v{axis}"), rate)];
+                match all.iter_mut().find(|(key, of, _)| *key == "node" && *of == name) {
+                    Some((_, _, known)) => known.extend(values),
+                    None => all.push(("node", name, values.to_vec())),
+                }
+            }
+        }
+    }
+    all
 }
 
 /// The scene file as TOML.
@@ -237,7 +298,7 @@ mod tests {
                 }
             }
             let mut source = Source::from(builtin.text);
-            set_initial(&mut source, &scene).unwrap();
+            set_initial(&mut source, &mut scene).unwrap();
             assert_eq!(parse(name, &source.text).unwrap(), scene, "{}", source.text);
             let is_kept = |line: &str| source.text.lines().any(|kept| kept == line);
             let mut others = builtin.text.lines().take_while(|line| !line.contains("[[initial]]"));
@@ -246,7 +307,7 @@ mod tests {
         // However the file writes them.
         let mut source =
             Source::from("initial = [{ module = 1, v2 = 0.5 }]\n[integrator]\nstep = 1e-6\n");
-        set_initial(&mut source, &builtin("set2").unwrap().scene()).unwrap();
+        set_initial(&mut source, &mut builtin("set2").unwrap().scene()).unwrap();
         assert_eq!(source.text.matches("v2 = 0.3").count(), 1, "{}", source.text);
         assert!(!source.text.contains("0.5"), "{}", source.text);
     }

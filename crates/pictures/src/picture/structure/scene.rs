@@ -3,7 +3,7 @@
 use super::{ForceMark, Link, LinkKind, MassMark, SliderMark, Structure};
 use crate::picture::prefixed;
 use amontons::decimal::to_significant;
-use amontons::scene::{self, Module, Network, Scene, Shape};
+use amontons::scene::{self, ContactDefinition, Line, Module, Network, Point, Scene, Shape};
 use std::f64::consts::FRAC_PI_2;
 
 /// Masses, springs, dampers, contacts and forces with their values, and what signals drive; springs, dampers and forces
@@ -97,20 +97,45 @@ fn network(scene: &Scene, parts: &Network) -> Structure {
         angle: mass.angle,
         locked: mass.locked,
     });
+    let superelements = parts.superelements.iter().map(|one| MassMark {
+        name: one.name.clone(),
+        label: format!("{} degrees of freedom", one.matrices.dofs()),
+        angle: 0.0,
+        locked: [false; 2],
+    });
+    let masses = masses.chain(superelements);
+    // A superelement is drawn as one mass.
+    let mark = |point| match point {
+        Point::Mass(mass) => mass,
+        Point::Node(at) => parts.masses.len() + at.superelement,
+    };
+    let joined = |between: [Option<Point>; 2]| {
+        let ends = between.map(|end| end.map(mark));
+        (ends[0] != ends[1]).then_some(ends)
+    };
     let link = |kind, name: &String, ends, direction, (preload, label)| {
         let name = name.clone();
         Link { name, label, ends, direction, kind, preload }
     };
-    let springs = parts.springs.iter().filter(|part| part.stiffness != 0.0).map(|part| {
+    let springs = parts.springs.iter().filter(|part| part.stiffness != 0.0).filter_map(|part| {
+        let ends = joined(part.between)?;
         let driven = format!("spring.{}.preload", part.name);
         let values = preloaded(scene, part.stiffness, part.preload.unwrap_or(0.0), &driven);
-        link(LinkKind::Spring, &part.name, part.between, part.direction, values)
+        Some(link(LinkKind::Spring, &part.name, ends, part.direction.angle_in_plane(), values))
     });
-    let dampers = parts.dampers.iter().filter(|part| part.damping != 0.0).map(|part| {
+    let dampers = parts.dampers.iter().filter(|part| part.damping != 0.0).filter_map(|part| {
+        let ends = joined(part.between)?;
         let label = prefixed(part.damping, "N s/m");
-        link(LinkKind::Damper, &part.name, part.between, part.direction, (0.0, label))
+        let angle = part.direction.angle_in_plane();
+        Some(link(LinkKind::Damper, &part.name, ends, angle, (0.0, label)))
     });
-    let sliders = parts.contacts.iter().map(|place| {
+    // Of the contacts of a set the first one is drawn, and none within a superelement.
+    let is_first = |(i, place): &(usize, &ContactDefinition)| {
+        place.set.is_none() || !parts.contacts[..*i].iter().any(|other| other.set == place.set)
+    };
+    let drawn = parts.contacts.iter().enumerate().filter(is_first).map(|(_, place)| place);
+    let drawn = drawn.filter(|place| Some(mark(place.mass)) != place.on.map(mark));
+    let sliders = drawn.map(|place| {
         // Its own value, or the common one, each with the name of what drives it.
         let own = |key: &str| format!("contact.{}.{key}", place.name);
         let (friction, driver) = match place.friction {
@@ -126,11 +151,17 @@ fn network(scene: &Scene, parts: &Network) -> Structure {
         let sticking = sticking.or(common.map(|value| (value, "friction.static".into())));
         let sticking = sticking.as_ref().map(|(value, driver)| (*value, &**driver));
         SliderMark {
-            name: place.name.clone(),
+            name: match place.set {
+                Some(set) => parts.contact_sets[set].clone(),
+                None => place.name.clone(),
+            },
             label: rubbing(scene, (friction, &driver), sticking, (velocity, &motion)),
-            mass: place.mass,
-            on: place.on,
-            angle: place.angle.unwrap_or(scene.slider.angle),
+            mass: mark(place.mass),
+            on: place.on.map(mark),
+            angle: match place.axes {
+                Some([_, tangent]) => Line::Vector(tangent).angle_in_plane(),
+                None => place.angle.unwrap_or(scene.slider.angle),
+            },
             velocity,
         }
     });

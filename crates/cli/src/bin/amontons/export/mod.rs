@@ -23,7 +23,7 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     let (mut scene, mut source) = scene::find(&arguments.scene)?;
     if let Some(orbit) = &arguments.from {
         orbit::begin(orbit, &mut scene)?;
-        scene::set_initial(&mut source, &scene)?;
+        scene::set_initial(&mut source, &mut scene)?;
     }
     let given = (scene.selection, scene.method, scene.step);
     arguments.integrator.choice().apply(&mut scene)?;
@@ -97,7 +97,14 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     let kind = match &scene.structure {
         Structure::Ring(modules) => format!("ring of {} modules", modules.len()),
         Structure::Network(network) => {
-            format!("network of {}", counted(network.masses.len(), "mass", "masses"))
+            let masses = counted(network.masses.len(), "mass", "masses");
+            let superelements =
+                counted(network.superelements.len(), "superelement", "superelements");
+            match (network.masses.is_empty(), network.superelements.is_empty()) {
+                (_, true) => format!("network of {masses}"),
+                (true, false) => format!("network of {superelements}"),
+                (false, false) => format!("network of {masses} and {superelements}"),
+            }
         }
     };
     say!(
