@@ -91,6 +91,14 @@ impl Linearised {
         found.as_ref().map_err(Error::clone)
     }
 
+    /// The states of the contacts in the equilibrium: as at rest, and open where the equilibrium leaves a gap.
+    ///
+    /// # Errors
+    /// Returns an error with the reason if there is no equilibrium.
+    pub fn equilibrium_states(&self) -> Result<Vec<ContactState>, Error> {
+        Ok(self.equilibrium()?.states(&self.model))
+    }
+
     /// The equilibrium, if its contacts are in these states: others may be closed at another µ.
     ///
     /// # Errors
