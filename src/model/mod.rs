@@ -5,6 +5,7 @@
 mod banded;
 mod equilibrium;
 mod linear;
+mod panels;
 mod reduced;
 pub mod ring;
 mod sparse;

@@ -214,7 +214,7 @@ impl StateLaw {
         let contacts = &dynamics.contacts;
         let gap = |i: usize, part| if part == 0 { contacts[i].normal.dot(x) } else { 0.0 };
         self.held.all_forces(gap, &mut self.multipliers);
-        respond(dynamics, &self.multipliers, x);
+        dynamics.add_responses(&self.multipliers, x);
     }
 
     /// Removes the velocities (m/s) that rounding has given to contacts along directions in which they are held,
@@ -231,24 +231,21 @@ impl StateLaw {
             _ => contacts[i].tangent.dot(v) - surface[i],
         };
         self.held.all_forces(drift, &mut self.multipliers);
-        respond(dynamics, &self.multipliers, v);
+        dynamics.add_responses(&self.multipliers, v);
     }
 
     /// Writes accelerations (m/s²) and multipliers (N) into `row`; places without either are zero.
     pub(super) fn apply(&mut self, dynamics: &Dynamics, acting: Actions, row: &mut [f64]) {
         let Actions { stretch, velocity, outer, slider } = acting;
-        for (dof, force) in self.force.iter_mut().enumerate() {
-            *force = outer[dof] - dynamics.stiffness.row_times(dof, stretch);
+        let Self { force, acceleration, .. } = self;
+        let Dynamics { stiffness, dampers, inverse_mass, damping, .. } = dynamics;
+        stiffness.each_product(stretch, |dof, springs| force[dof] = outer[dof] - springs);
+        if !dampers.is_empty() {
+            dampers.each_product(velocity, |dof, damped| force[dof] -= damped);
         }
-        if !dynamics.dampers.is_empty() {
-            for (dof, force) in self.force.iter_mut().enumerate() {
-                *force -= dynamics.dampers.row_times(dof, velocity);
-            }
-        }
-        for (dof, a) in self.acceleration.iter_mut().enumerate() {
-            *a = dynamics.inverse_mass.row_times(dof, &self.force)
-                - dynamics.damping.alpha * velocity[dof];
-        }
+        inverse_mass.each_product(force, |dof, a| {
+            acceleration[dof] = a - damping.alpha * velocity[dof];
+        });
         // A stuck contact has the acceleration of its slider.
         for (i, (free, contact)) in self.free.iter_mut().zip(&dynamics.contacts).enumerate() {
             *free = [
@@ -257,7 +254,7 @@ impl StateLaw {
             ];
         }
         self.held.all_forces(|contact, part| self.free[contact][part], &mut self.multipliers);
-        respond(dynamics, &self.multipliers, &mut self.acceleration);
+        dynamics.add_responses(&self.multipliers, &mut self.acceleration);
         let dofs = self.acceleration.len();
         row[..dofs].copy_from_slice(&self.acceleration);
         row[dofs..].fill(0.0);
@@ -270,17 +267,6 @@ impl StateLaw {
             row[normal] = force[0];
             if state == ContactState::Stick {
                 row[tangent] = force[1];
-            }
-        }
-    }
-}
-
-/// Adds M⁻¹ Gᵀ λ to `vector`; zero multipliers are skipped.
-fn respond(dynamics: &Dynamics, multipliers: &[[f64; 2]], vector: &mut [f64]) {
-    for (forces, responses) in multipliers.iter().zip(&dynamics.responses) {
-        for (&force, response) in forces.iter().zip(responses) {
-            if force != 0.0 {
-                response.add_to(vector, force);
             }
         }
     }

@@ -123,6 +123,18 @@ impl<W: MotionObserver> EventDriven<W> {
 pub(super) fn pulls(dynamics: &Dynamics) -> Vec<[Direction; 2]> {
     let dofs = dynamics.acceleration.len();
     let along = |response: &Direction| {
+        if dynamics.stiffness.is_full() {
+            // The terms of one place need not be sorted: rounding of a budget is nothing.
+            let mut sums = vec![0.0; dofs];
+            for &(dof, response) in &response.0 {
+                dynamics
+                    .stiffness
+                    .row(dof)
+                    .for_each(|(other, k)| sums[other] += (response * k).abs());
+            }
+            let parts = sums.into_iter().enumerate().filter(|part| part.1 != 0.0);
+            return Direction(parts.collect());
+        }
         let terms = response.0.iter().flat_map(|&(dof, response)| {
             dynamics.stiffness.row(dof).map(move |(other, k)| (other, 0, (response * k).abs()))
         });
