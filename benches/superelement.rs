@@ -13,7 +13,7 @@ fn main() {
     let args: Vec<String> = std::env::args().collect();
     let get = |i: usize, d: f64| args.get(i).and_then(|a| a.parse().ok()).unwrap_or(d);
     let size = if get(1, 0.0) > 0.0 { Size::LARGE } else { Size::SMALL };
-    for mu in [0.3, 0.4, 0.5] {
+    for mu in [get(2, 0.5)] {
         let start = Instant::now();
         let model = pad(size, mu);
         let made = start.elapsed().as_secs_f64();

@@ -58,8 +58,12 @@ impl Panels {
         let mut begin = 0;
         for (panel, &end) in self.ends.iter().enumerate() {
             let (first, range) = (panel * HEIGHT, begin..end);
-            let sums = [0.0; HEIGHT];
-            let sums = add_columns(sums, &self.columns[range.clone()], &self.values[range], vector);
+            let sums = add_columns(
+                &[0.0; HEIGHT],
+                &self.columns[range.clone()],
+                &self.values[range],
+                vector,
+            );
             for (row, sum) in (first..self.rows).zip(sums) {
                 found(row, sum);
             }
@@ -76,7 +80,7 @@ impl Panels {
             let mut padded = [0.0; HEIGHT];
             padded[..sums.len()].copy_from_slice(sums);
             let columns = &self.columns[range.clone()];
-            let padded = add_columns(padded, columns, &self.values[range], vector);
+            let padded = add_columns(&padded, columns, &self.values[range], vector);
             sums.copy_from_slice(&padded[..sums.len()]);
             begin = end;
         }
@@ -86,11 +90,13 @@ impl Panels {
 /// Adds these columns of a panel, each times its value of the vector, from the left.
 #[inline(never)]
 fn add_columns(
-    mut sums: [f64; HEIGHT],
+    start: &[f64; HEIGHT],
     columns: &[usize],
     values: &[[f64; HEIGHT]],
     vector: &[f64],
 ) -> [f64; HEIGHT] {
+    // A copy, so that the sums need not be in memory while they grow.
+    let mut sums = *start;
     for (&column, values) in columns.iter().zip(values) {
         let factor = vector[column];
         for (sum, value) in sums.iter_mut().zip(values) {

@@ -64,6 +64,16 @@ impl Factors {
         self.eliminate();
     }
 
+    /// Takes the factors of another matrix. There is room for them.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        let size = other.size;
+        (self.size, self.rank, self.orientation) = (size, other.rank, other.orientation);
+        self.entries[..size * size].copy_from_slice(&other.entries[..size * size]);
+        self.rows[..size].copy_from_slice(&other.rows[..size]);
+        self.columns[..size].copy_from_slice(&other.columns[..size]);
+        self.scales[..size].copy_from_slice(&other.scales[..size]);
+    }
+
     fn eliminate(&mut self) {
         let Self { size, entries, rows, columns, orientation, most, .. } = self;
         let size = *size;

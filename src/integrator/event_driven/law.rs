@@ -110,7 +110,7 @@ impl StateLaw {
             self.friction.clear();
             self.friction.extend_from_slice(friction);
             let delassus = &dynamics.problem.delassus;
-            self.held.set_all(delassus, |contact| {
+            let equations = |contact: usize| {
                 let friction = friction[contact];
                 let limit = match states[contact] {
                     ContactState::Stick => friction.static_,
@@ -118,7 +118,8 @@ impl StateLaw {
                 };
                 let own = delassus.local(contact);
                 StateEquations::of(states[contact], &FrictionRange::of(limit), own)
-            });
+            };
+            self.held.set_all(delassus, equations, &dynamics.problem.given);
         }
     }
 

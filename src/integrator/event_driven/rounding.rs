@@ -57,6 +57,8 @@ const MOST_DOUBLINGS: u32 = 12;
 
 /// A contact with more landings than this in one internal step is about to come to rest.
 const MANY_LANDINGS: u32 = 16;
+/// Number of contacts of a group up to which each counts its own landings alone.
+const FEW_TOGETHER: usize = 8;
 /// Largest number of times that the least hop grows fourfold: to 1.05e-5 of the fastest velocity.
 const MOST_GROWTHS: u32 = 10;
 
@@ -66,11 +68,20 @@ const MOST_GROWTHS: u32 = 10;
 /// Contacts of one body throw each other off in ever smaller hops, infinitely many within a finite time. Followed down to
 /// [`THROWN`], their number grows with a high power of the number of contacts. So hops that come after many others have
 /// to be larger: at the n-th landing in the step, [`THROWN`] · 4^min(n − 16, 10) for n > 16. A hop that is ended
-/// changes velocities by no more than its own; in a shorter step a contact lands less often, and fewer hops are
+/// changes velocities by no more than its own ([`landings_together`] says which landings count); in a shorter step a contact lands less often, and fewer hops are
 /// ended.
 pub(super) fn least_hop(landings: u32) -> f64 {
     let growths = landings.saturating_sub(MANY_LANDINGS).min(MOST_GROWTHS);
     THROWN * f64::from(1_u32 << (2 * growths))
+}
+
+/// The landings that count for each contact of a group, at least, in place of its own: half of all landings in the group if it has
+/// more than [`FEW_TOGETHER`] contacts.
+///
+/// One landing on a body with a hundred contacts throws many of them off by next to nothing, each of which throws off others when
+/// it lands, and hardly any contact lands often.
+pub(super) fn landings_together(landings: impl ExactSizeIterator<Item = u32>) -> u32 {
+    if landings.len() <= FEW_TOGETHER { 0 } else { landings.sum::<u32>() / 2 }
 }
 
 impl<W: MotionObserver> EventDriven<W> {
