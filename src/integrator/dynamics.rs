@@ -3,6 +3,7 @@
 use super::contact_problem::{
     ConstraintOf, ContactConstraint, ContactProblem, Delassus, constraint_of,
 };
+use super::per_mass::{PerMass, Strain};
 use super::{AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Motion, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactLaw, ContactState};
@@ -21,6 +22,8 @@ pub(super) struct Dynamics {
     pub(super) law: ContactLaw,
     pub(super) constraint_of: ConstraintOf,
     pub(super) inverse_mass: SparseMatrix,
+    /// M⁻¹ K and M⁻¹ D of a structure whose matrices are full.
+    pub(super) per_mass: Option<PerMass>,
     /// M⁻¹ Gᵀ, one pair (normal, tangent) for each contact.
     pub(super) responses: Vec<[Direction; 2]>,
     /// The responses as the columns of one matrix, normal and tangent of each contact in turn, where there are many.
@@ -72,6 +75,7 @@ impl Dynamics {
             contacts: model.contacts.clone(),
             law: model.law,
             constraint_of: constraint_of(model.law),
+            per_mass: PerMass::of(model, &inverse_mass),
             inverse_mass,
             responses,
             response_columns,
@@ -96,6 +100,12 @@ impl Dynamics {
         // Until it is known, the acceleration is memory for what the springs act on.
         for ((stretch, x), v) in acceleration.iter_mut().zip(x).zip(v) {
             *stretch = x + beta * v;
+        }
+        if let Some(per_mass) = &self.per_mass {
+            force.copy_from_slice(acceleration);
+            self.inverse_mass.each_product(outer, |row, driven| acceleration[row] = driven);
+            per_mass.subtract(Strain { stretch: force, velocity: v, alpha }, acceleration);
+            return;
         }
         self.stiffness.each_product(acceleration, |row, springs| force[row] = outer[row] - springs);
         self.mass.each_product(v, |row, momentum| force[row] -= alpha * momentum);

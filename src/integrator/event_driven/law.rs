@@ -3,6 +3,7 @@
 use crate::contact::{ContactState, Friction, FrictionRange};
 use crate::integrator::contact_problem::{GivenStates, StateEquations};
 use crate::integrator::dynamics::Dynamics;
+use crate::integrator::per_mass::Strain;
 use crate::integrator::{AppliedLoad, ConstrainedResponse, HeldStates};
 use crate::model::{Contact, Direction};
 
@@ -240,13 +241,23 @@ impl StateLaw {
         let Actions { stretch, velocity, outer, slider } = acting;
         let Self { force, acceleration, .. } = self;
         let Dynamics { stiffness, dampers, inverse_mass, damping, .. } = dynamics;
-        stiffness.each_product(stretch, |dof, springs| force[dof] = outer[dof] - springs);
-        if !dampers.is_empty() {
-            dampers.each_product(velocity, |dof, damped| force[dof] -= damped);
+        let alpha = damping.alpha;
+        if let Some(per_mass) = &dynamics.per_mass {
+            if outer.iter().all(|force| *force == 0.0) {
+                acceleration.fill(0.0);
+            } else {
+                inverse_mass.each_product(outer, |dof, driven| acceleration[dof] = driven);
+            }
+            per_mass.subtract(Strain { stretch, velocity, alpha }, acceleration);
+        } else {
+            stiffness.each_product(stretch, |dof, springs| force[dof] = outer[dof] - springs);
+            if !dampers.is_empty() {
+                dampers.each_product(velocity, |dof, damped| force[dof] -= damped);
+            }
+            inverse_mass.each_product(force, |dof, a| {
+                acceleration[dof] = a - alpha * velocity[dof];
+            });
         }
-        inverse_mass.each_product(force, |dof, a| {
-            acceleration[dof] = a - damping.alpha * velocity[dof];
-        });
         // A stuck contact has the acceleration of its slider.
         for (i, (free, contact)) in self.free.iter_mut().zip(&dynamics.contacts).enumerate() {
             *free = [

@@ -58,7 +58,7 @@ const MOST_DOUBLINGS: u32 = 12;
 /// A contact with more landings than this in one internal step is about to come to rest.
 const MANY_LANDINGS: u32 = 16;
 /// Number of contacts of a group up to which each counts its own landings alone.
-const FEW_TOGETHER: usize = 8;
+const FEW_TOGETHER: u32 = 8;
 /// Largest number of times that the least hop grows fourfold: to 1.05e-5 of the fastest velocity.
 const MOST_GROWTHS: u32 = 10;
 
@@ -75,13 +75,17 @@ pub(super) fn least_hop(landings: u32) -> f64 {
     THROWN * f64::from(1_u32 << (2 * growths))
 }
 
-/// The landings that count for each contact of a group, at least, in place of its own: half of all landings in the group if it has
-/// more than [`FEW_TOGETHER`] contacts.
+/// The landings that count for each contact of a group, at least, in place of its own: m/64 of all landings in the group if it has
+/// m > 8 contacts.
 ///
 /// One landing on a body with a hundred contacts throws many of them off by next to nothing, each of which throws off others when
-/// it lands, and hardly any contact lands often.
+/// it lands, and hardly any contact lands often. With 8 contacts the count would be that of the mean contact.
 pub(super) fn landings_together(landings: impl ExactSizeIterator<Item = u32>) -> u32 {
-    if landings.len() <= FEW_TOGETHER { 0 } else { landings.sum::<u32>() / 2 }
+    let contacts = u32::try_from(landings.len()).unwrap_or(u32::MAX);
+    if contacts <= FEW_TOGETHER {
+        return 0;
+    }
+    landings.sum::<u32>().saturating_mul(contacts) / (FEW_TOGETHER * FEW_TOGETHER)
 }
 
 impl<W: MotionObserver> EventDriven<W> {
