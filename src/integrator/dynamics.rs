@@ -3,6 +3,7 @@
 use super::contact_problem::{
     ConstraintOf, ContactConstraint, ContactProblem, Delassus, constraint_of,
 };
+use super::per_mass::{PerMass, Strain};
 use super::{AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Motion, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactLaw, ContactState};
@@ -21,8 +22,12 @@ pub(super) struct Dynamics {
     pub(super) law: ContactLaw,
     pub(super) constraint_of: ConstraintOf,
     pub(super) inverse_mass: SparseMatrix,
+    /// M⁻¹ K and M⁻¹ D of a structure whose matrices are full.
+    pub(super) per_mass: Option<PerMass>,
     /// M⁻¹ Gᵀ, one pair (normal, tangent) for each contact.
     pub(super) responses: Vec<[Direction; 2]>,
+    /// The responses as the columns of one matrix, normal and tangent of each contact in turn, where there are many.
+    pub(super) response_columns: Option<SparseMatrix>,
     pub(super) problem: ContactProblem,
     force: Vec<f64>,
     pub(super) acceleration: Vec<f64>,
@@ -51,6 +56,15 @@ impl Dynamics {
             .iter()
             .map(|contact| [response(&contact.normal), response(&contact.tangent)])
             .collect();
+        let columns = || {
+            let parts = responses.as_flattened().iter().enumerate();
+            let entries = parts.flat_map(|(column, response)| {
+                response.0.iter().map(move |&(row, value)| (row, column, value))
+            });
+            SparseMatrix::from_entries(dofs, entries.collect())
+        };
+        let has_many = inverse_mass.is_full() && model.contacts.len() > 1;
+        let response_columns = has_many.then(columns);
         let delassus = Delassus::new(&model.contacts, &responses, dofs);
         Ok(Self {
             mass: model.mass.clone(),
@@ -61,8 +75,10 @@ impl Dynamics {
             contacts: model.contacts.clone(),
             law: model.law,
             constraint_of: constraint_of(model.law),
+            per_mass: PerMass::of(model, &inverse_mass),
             inverse_mass,
             responses,
+            response_columns,
             force: vec![0.0; dofs],
             acceleration: vec![0.0; dofs],
         })
@@ -70,29 +86,33 @@ impl Dynamics {
 
     /// The largest magnitude of acceleration, m/s², that these forces (N) alone give a degree of freedom.
     pub(super) fn fastest_driven(&self, force: &[f64]) -> f64 {
-        let driven = (0..force.len()).map(|row| self.inverse_mass.row_times(row, force).abs());
-        driven.fold(0.0, f64::max)
+        let mut fastest = 0.0;
+        self.inverse_mass
+            .each_product(force, |_, driven| fastest = f64::max(fastest, driven.abs()));
+        fastest
     }
 
     /// The acceleration without contact forces, M⁻¹ (F − C ẋ − K x), under the outer forces F.
     pub(super) fn free_acceleration(&mut self, motion: &Motion, outer: &[f64]) {
         let Damping { alpha, beta } = self.damping;
         let (x, v) = (&motion.displacement, &motion.velocity);
-        for (row, force) in self.force.iter_mut().enumerate() {
-            let springs = self
-                .stiffness
-                .row(row)
-                .fold(0.0, |sum, (column, k)| sum + k * (x[column] + beta * v[column]));
-            *force = outer[row] - springs - alpha * self.mass.row_times(row, v);
+        let Self { force, acceleration, .. } = self;
+        // Until it is known, the acceleration is memory for what the springs act on.
+        for ((stretch, x), v) in acceleration.iter_mut().zip(x).zip(v) {
+            *stretch = x + beta * v;
         }
+        if let Some(per_mass) = &self.per_mass {
+            force.copy_from_slice(acceleration);
+            self.inverse_mass.each_product(outer, |row, driven| acceleration[row] = driven);
+            per_mass.subtract(Strain { stretch: force, velocity: v, alpha }, acceleration);
+            return;
+        }
+        self.stiffness.each_product(acceleration, |row, springs| force[row] = outer[row] - springs);
+        self.mass.each_product(v, |row, momentum| force[row] -= alpha * momentum);
         if !self.dampers.is_empty() {
-            for (row, force) in self.force.iter_mut().enumerate() {
-                *force -= self.dampers.row_times(row, v);
-            }
+            self.dampers.each_product(v, |row, damped| force[row] -= damped);
         }
-        for (row, acceleration) in self.acceleration.iter_mut().enumerate() {
-            *acceleration = self.inverse_mass.row_times(row, &self.force);
-        }
+        self.inverse_mass.each_product(force, |row, driven| acceleration[row] = driven);
     }
 
     /// Counts, if the law of contact is reduced, the contacts that would have needed the omitted parts with the
@@ -144,8 +164,21 @@ impl Dynamics {
         load: AppliedLoad<'_>,
         response: &mut ConstrainedResponse,
     ) {
-        for (row, acceleration) in response.acceleration.iter_mut().enumerate() {
-            *acceleration = self.inverse_mass.row_times(row, load.force);
+        let acceleration = &mut response.acceleration;
+        self.inverse_mass.each_product(load.force, |row, driven| acceleration[row] = driven);
+    }
+
+    /// Adds M⁻¹ Gᵀ λ to `vector`; zero multipliers are skipped.
+    pub(super) fn add_responses(&self, multipliers: &[[f64; 2]], vector: &mut [f64]) {
+        if let Some(columns) = &self.response_columns {
+            return columns.add_product(multipliers.as_flattened(), vector);
+        }
+        for (forces, responses) in multipliers.iter().zip(&self.responses) {
+            for (&force, response) in forces.iter().zip(responses) {
+                if force != 0.0 {
+                    response.add_to(vector, force);
+                }
+            }
         }
     }
 

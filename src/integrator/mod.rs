@@ -8,6 +8,7 @@ mod event_driven;
 mod forward_increment;
 mod ledger;
 mod method;
+mod per_mass;
 mod visits;
 
 pub(crate) use event_driven::full_places;

@@ -18,6 +18,8 @@ pub(super) struct Factors {
     rows: Vec<usize>,
     columns: Vec<usize>,
     scales: Vec<f64>,
+    /// The largest magnitude that is left in each row.
+    most: Vec<f64>,
     /// The sign of the product of the pivots, times that of the permutations of rows and columns.
     orientation: f64,
     /// Memory for a solution.
@@ -34,6 +36,7 @@ impl Factors {
             rows: vec![0; most],
             columns: vec![0; most],
             scales: vec![1.0; most],
+            most: vec![0.0; most],
             orientation: 1.0,
             values: vec![0.0; most],
         }
@@ -61,29 +64,42 @@ impl Factors {
         self.eliminate();
     }
 
+    /// Takes the factors of another matrix. There is room for them.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        let size = other.size;
+        (self.size, self.rank, self.orientation) = (size, other.rank, other.orientation);
+        self.entries[..size * size].copy_from_slice(&other.entries[..size * size]);
+        self.rows[..size].copy_from_slice(&other.rows[..size]);
+        self.columns[..size].copy_from_slice(&other.columns[..size]);
+        self.scales[..size].copy_from_slice(&other.scales[..size]);
+    }
+
     fn eliminate(&mut self) {
-        let Self { size, entries, rows, columns, orientation, .. } = self;
+        let Self { size, entries, rows, columns, orientation, most, .. } = self;
         let size = *size;
+        let most = &mut most[..size];
         let entries = &mut entries[..size * size];
         let largest = max_norm(entries);
         self.rank = 0;
         *orientation = 1.0;
+        for (most, row) in most.iter_mut().zip(entries.chunks_exact(size)) {
+            *most = max_norm(row);
+        }
         for step in 0..size {
-            let (mut row, mut column, mut most) = (step, step, -1.0);
-            for i in step..size {
-                for (j, entry) in entries[i * size + step..(i + 1) * size].iter().enumerate() {
-                    if entry.abs() > most {
-                        (row, column, most) = (i, step + j, entry.abs());
-                    }
-                }
-            }
-            if most <= DEPENDENT * largest {
+            // The first of the largest entries, row by row.
+            let later = (step..size).rev();
+            let row = later.fold(step, |best, i| if most[i] >= most[best] { i } else { best });
+            let pivot = most[row];
+            if pivot <= DEPENDENT * largest {
                 return;
             }
+            let places = &entries[row * size + step..(row + 1) * size];
+            let column = step + places.iter().position(|e| e.abs() == pivot).unwrap_or(0);
             if (row == step) != (column == step) {
                 *orientation = -*orientation;
             }
             rows.swap(step, row);
+            most.swap(step, row);
             columns.swap(step, column);
             if row != step {
                 let (upper, lower) = entries.split_at_mut(row * size);
@@ -96,13 +112,11 @@ impl Factors {
             let pivot_row = &mut done[step * size..];
             *orientation *= pivot_row[step].signum();
             pivot_row[step] = 1.0 / pivot_row[step];
-            for row in rest.chunks_exact_mut(size) {
+            for (row, most) in rest.chunks_exact_mut(size).zip(&mut most[step + 1..]) {
                 if row[step] != 0.0 {
                     let factor = row[step] * pivot_row[step];
                     row[step] = factor;
-                    for (entry, above) in row[step + 1..].iter_mut().zip(&pivot_row[step + 1..]) {
-                        *entry -= factor * above;
-                    }
+                    *most = subtract(&mut row[step + 1..], factor, &pivot_row[step + 1..]);
                 }
             }
             self.rank = step + 1;
@@ -132,13 +146,12 @@ impl Factors {
         let values = &mut values[..rank];
         for place in 0..rank {
             let row = &entries[place * size..][..place];
-            let known = row.iter().zip(&*values).fold(0.0, |sum, (l, value)| sum + l * value);
+            let known = dot(row, &values[..place]);
             values[place] = scales[rows[place]] * right[rows[place]] - known;
         }
         for place in (0..rank).rev() {
             let row = &entries[place * size..][place..rank];
-            let later = row[1..].iter().zip(&values[place + 1..]);
-            let known = later.fold(0.0, |sum, (u, value)| sum + u * value);
+            let known = dot(&row[1..], &values[place + 1..]);
             values[place] = (values[place] - known) * row[0];
         }
         right.fill(0.0);
@@ -146,6 +159,45 @@ impl Factors {
             right[column] = scales[column] * value;
         }
     }
+}
+
+/// Subtracts a multiple of a row from another one; returns the largest magnitude that is left.
+fn subtract(row: &mut [f64], factor: f64, above: &[f64]) -> f64 {
+    const SIDE: usize = 8;
+    let above = &above[..row.len()];
+    let ((parts, rest), (above, above_rest)) =
+        (row.as_chunks_mut::<SIDE>(), above.as_chunks::<SIDE>());
+    let mut most = [0.0; SIDE];
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    for (part, above) in parts.iter_mut().zip(above) {
+        for i in 0..SIDE {
+            part[i] -= factor * above[i];
+            most[i] = larger(part[i].abs(), most[i]);
+        }
+    }
+    for (entry, above) in rest.iter_mut().zip(above_rest) {
+        *entry -= factor * above;
+        most[0] = larger(entry.abs(), most[0]);
+    }
+    most.into_iter().fold(0.0, larger)
+}
+
+/// Σ a b from the left; of long rows in sums that do not wait for each other.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    const SIDE: usize = 8;
+    const LONG: usize = 2 * SIDE;
+    if a.len() <= LONG {
+        return a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
+    }
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<SIDE>(), b.as_chunks::<SIDE>());
+    let mut sums = [0.0; SIDE];
+    for (a, b) in a.iter().zip(b) {
+        for i in 0..SIDE {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    let rest = a_rest.iter().zip(b_rest).fold(0.0, |sum, (a, b)| sum + a * b);
+    sums.into_iter().fold(rest, |sum, part| sum + part)
 }
 
 /// Returns a power of two near 1/√value, from the bits of its exponent, equal on every machine; 1 for zero.

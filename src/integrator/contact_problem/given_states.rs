@@ -62,6 +62,15 @@ struct EquationGroup {
     right: Vec<f64>,
 }
 
+impl EquationGroup {
+    /// Takes the equations of the same group elsewhere.
+    fn take(&mut self, other: &Self) {
+        self.is_set = true;
+        self.unknowns.clone_from(&other.unknowns);
+        self.factors.copy_from(&other.factors);
+    }
+}
+
 impl GivenStates {
     pub(in crate::integrator) fn new(delassus: &Delassus) -> Self {
         let group = |contacts: &Vec<usize>| {
@@ -133,13 +142,27 @@ impl GivenStates {
         );
     }
 
-    /// Sets the equations of all contacts, as [`set`](Self::set) does for one group.
+    /// Sets the equations of all contacts, as [`set`](Self::set) does for one group. Where `known` has the equations of a group
+    /// already, its factors are copied.
     pub(in crate::integrator) fn set_all(
         &mut self,
         delassus: &Delassus,
         equations: impl Fn(usize) -> StateEquations,
+        known: &Self,
     ) {
-        (0..self.groups()).for_each(|group| self.set(delassus, group, &equations));
+        for group in 0..self.groups() {
+            let (here, there) = (&mut self.groups[group], &known.groups[group]);
+            let mut contacts = here.contacts.iter();
+            if there.is_set && contacts.all(|&i| known.equations[i] == equations(i)) {
+                let mut contacts = here.contacts.iter();
+                if !(here.is_set && contacts.all(|&i| self.equations[i] == known.equations[i])) {
+                    here.take(there);
+                    here.contacts.iter().for_each(|&i| self.equations[i] = known.equations[i]);
+                }
+            } else {
+                self.set(delassus, group, &equations);
+            }
+        }
     }
 
     /// `true` if a group has as many independent equations as unknowns.

@@ -69,7 +69,7 @@ pub(super) struct ContactProblem {
     pub(super) pulls: Vec<bool>,
     /// `true` once forces that obey the law were rejected in this solution, since they are rounding only.
     has_blurred: bool,
-    given: GivenStates,
+    pub(super) given: GivenStates,
     /// Memory for accelerations, corrections of forces, the forces of the iterations, and accelerations without contact
     /// forces.
     accelerations: Vec<Acceleration>,

@@ -214,7 +214,16 @@ impl ContactProblem {
 
     /// Computes the accelerations of a group under its forces.
     pub(super) fn accelerate(&mut self, group: usize) {
-        for &contact in &self.delassus.groups()[group] {
+        let contacts = &self.delassus.groups()[group];
+        if contacts.iter().all(|&contact| self.forces[contact] == [0.0; 2]) {
+            for &contact in contacts {
+                // The sum of a zero has no negative sign.
+                let value = self.free[contact].map(|free| free + 0.0);
+                self.accelerations[contact] = Acceleration { value, terms: value.map(f64::abs) };
+            }
+            return;
+        }
+        for &contact in contacts {
             let mut value = self.free[contact];
             let mut terms = value.map(f64::abs);
             let own = (contact, self.delassus.own(contact));

@@ -29,7 +29,7 @@
 //! zero.
 
 use super::ledger::{Impact, MotionObserver};
-use super::rounding::{NOISE, THROWN, least_hop};
+use super::rounding::{NOISE, THROWN, landings_together, least_hop};
 use super::watch::Event;
 use super::{EventDriven, Motion, StepFailure};
 use crate::contact::ContactState;
@@ -157,16 +157,21 @@ impl<W: MotionObserver> EventDriven<W> {
     /// does not throw off: a hop of theirs would be rounding, or one of many ([`least_hop`]).
     pub(super) fn stabilise_after_impact(&mut self, motion: &mut Motion, speed: f64) {
         let mut ended = 0;
-        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
-            let is_closed = self.closed[i] != ContactState::Detached;
-            let opening = contact.normal.dot(&motion.velocity);
-            let is_kept = is_closed && opening <= least_hop(self.landings[i]) * speed;
-            ended += u64::from(is_kept && opening > THROWN * speed);
-            // Contacts that the impact has stopped have no slip either, not even that of rounding.
-            self.kept[i] = match self.dynamics.problem.states[i] {
-                ContactState::Stick if is_kept => ContactState::Stick,
-                _ => frictionless(is_kept),
-            };
+        let Dynamics { contacts, problem, .. } = &self.dynamics;
+        for group in problem.delassus.groups() {
+            let together = landings_together(group.iter().map(|&i| self.landings[i]));
+            for &i in group {
+                let is_closed = self.closed[i] != ContactState::Detached;
+                let opening = contacts[i].normal.dot(&motion.velocity);
+                let least = least_hop(self.landings[i].max(together));
+                let is_kept = is_closed && opening <= least * speed;
+                ended += u64::from(is_kept && opening > THROWN * speed);
+                // Contacts that the impact has stopped have no slip either, not even that of rounding.
+                self.kept[i] = match problem.states[i] {
+                    ContactState::Stick if is_kept => ContactState::Stick,
+                    _ => frictionless(is_kept),
+                };
+            }
         }
         motion.statistics.ended_hops += ended;
         if ended > 0 {

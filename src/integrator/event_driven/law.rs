@@ -3,6 +3,7 @@
 use crate::contact::{ContactState, Friction, FrictionRange};
 use crate::integrator::contact_problem::{GivenStates, StateEquations};
 use crate::integrator::dynamics::Dynamics;
+use crate::integrator::per_mass::Strain;
 use crate::integrator::{AppliedLoad, ConstrainedResponse, HeldStates};
 use crate::model::{Contact, Direction};
 
@@ -110,7 +111,7 @@ impl StateLaw {
             self.friction.clear();
             self.friction.extend_from_slice(friction);
             let delassus = &dynamics.problem.delassus;
-            self.held.set_all(delassus, |contact| {
+            let equations = |contact: usize| {
                 let friction = friction[contact];
                 let limit = match states[contact] {
                     ContactState::Stick => friction.static_,
@@ -118,7 +119,8 @@ impl StateLaw {
                 };
                 let own = delassus.local(contact);
                 StateEquations::of(states[contact], &FrictionRange::of(limit), own)
-            });
+            };
+            self.held.set_all(delassus, equations, &dynamics.problem.given);
         }
     }
 
@@ -214,7 +216,7 @@ impl StateLaw {
         let contacts = &dynamics.contacts;
         let gap = |i: usize, part| if part == 0 { contacts[i].gap_at(x) } else { 0.0 };
         self.held.all_forces(gap, &mut self.multipliers);
-        respond(dynamics, &self.multipliers, x);
+        dynamics.add_responses(&self.multipliers, x);
     }
 
     /// Removes the velocities (m/s) that rounding has given to contacts along directions in which they are held,
@@ -231,23 +233,30 @@ impl StateLaw {
             _ => contacts[i].tangent.dot(v) - surface[i],
         };
         self.held.all_forces(drift, &mut self.multipliers);
-        respond(dynamics, &self.multipliers, v);
+        dynamics.add_responses(&self.multipliers, v);
     }
 
     /// Writes accelerations (m/s²) and multipliers (N) into `row`; places without either are zero.
     pub(super) fn apply(&mut self, dynamics: &Dynamics, acting: Actions, row: &mut [f64]) {
         let Actions { stretch, velocity, outer, slider } = acting;
-        for (dof, force) in self.force.iter_mut().enumerate() {
-            *force = outer[dof] - dynamics.stiffness.row_times(dof, stretch);
-        }
-        if !dynamics.dampers.is_empty() {
-            for (dof, force) in self.force.iter_mut().enumerate() {
-                *force -= dynamics.dampers.row_times(dof, velocity);
+        let Self { force, acceleration, .. } = self;
+        let Dynamics { stiffness, dampers, inverse_mass, damping, .. } = dynamics;
+        let alpha = damping.alpha;
+        if let Some(per_mass) = &dynamics.per_mass {
+            if outer.iter().all(|force| *force == 0.0) {
+                acceleration.fill(0.0);
+            } else {
+                inverse_mass.each_product(outer, |dof, driven| acceleration[dof] = driven);
             }
-        }
-        for (dof, a) in self.acceleration.iter_mut().enumerate() {
-            *a = dynamics.inverse_mass.row_times(dof, &self.force)
-                - dynamics.damping.alpha * velocity[dof];
+            per_mass.subtract(Strain { stretch, velocity, alpha }, acceleration);
+        } else {
+            stiffness.each_product(stretch, |dof, springs| force[dof] = outer[dof] - springs);
+            if !dampers.is_empty() {
+                dampers.each_product(velocity, |dof, damped| force[dof] -= damped);
+            }
+            inverse_mass.each_product(force, |dof, a| {
+                acceleration[dof] = a - alpha * velocity[dof];
+            });
         }
         // A stuck contact has the acceleration of its slider.
         for (i, (free, contact)) in self.free.iter_mut().zip(&dynamics.contacts).enumerate() {
@@ -257,7 +266,7 @@ impl StateLaw {
             ];
         }
         self.held.all_forces(|contact, part| self.free[contact][part], &mut self.multipliers);
-        respond(dynamics, &self.multipliers, &mut self.acceleration);
+        dynamics.add_responses(&self.multipliers, &mut self.acceleration);
         let dofs = self.acceleration.len();
         row[..dofs].copy_from_slice(&self.acceleration);
         row[dofs..].fill(0.0);
@@ -270,17 +279,6 @@ impl StateLaw {
             row[normal] = force[0];
             if state == ContactState::Stick {
                 row[tangent] = force[1];
-            }
-        }
-    }
-}
-
-/// Adds M⁻¹ Gᵀ λ to `vector`; zero multipliers are skipped.
-fn respond(dynamics: &Dynamics, multipliers: &[[f64; 2]], vector: &mut [f64]) {
-    for (forces, responses) in multipliers.iter().zip(&dynamics.responses) {
-        for (&force, response) in forces.iter().zip(responses) {
-            if force != 0.0 {
-                response.add_to(vector, force);
             }
         }
     }

@@ -58,6 +58,8 @@ const MOST_DOUBLINGS: u32 = 12;
 
 /// A contact with more landings than this in one internal step is about to come to rest.
 const MANY_LANDINGS: u32 = 16;
+/// Number of contacts of a group up to which each counts its own landings alone.
+const FEW_TOGETHER: u32 = 8;
 /// Largest number of times that the least hop grows fourfold: to 1.05e-5 of the fastest velocity.
 const MOST_GROWTHS: u32 = 10;
 
@@ -67,11 +69,24 @@ const MOST_GROWTHS: u32 = 10;
 /// Contacts of one body throw each other off in ever smaller hops, infinitely many within a finite time. Followed down to
 /// [`THROWN`], their number grows with a high power of the number of contacts. So hops that come after many others have
 /// to be larger: at the n-th landing in the step, [`THROWN`] · 4^min(n − 16, 10) for n > 16. A hop that is ended
-/// changes velocities by no more than its own; in a shorter step a contact lands less often, and fewer hops are
+/// changes velocities by no more than its own ([`landings_together`] says which landings count); in a shorter step a contact lands less often, and fewer hops are
 /// ended.
 pub(super) fn least_hop(landings: u32) -> f64 {
     let growths = landings.saturating_sub(MANY_LANDINGS).min(MOST_GROWTHS);
     THROWN * f64::from(1_u32 << (2 * growths))
+}
+
+/// The landings that count for each contact of a group, at least, in place of its own: m/64 of all landings in the group if it has
+/// m > 8 contacts.
+///
+/// One landing on a body with a hundred contacts throws many of them off by next to nothing, each of which throws off others when
+/// it lands, and hardly any contact lands often. With 8 contacts the count would be that of the mean contact.
+pub(super) fn landings_together(landings: impl ExactSizeIterator<Item = u32>) -> u32 {
+    let contacts = u32::try_from(landings.len()).unwrap_or(u32::MAX);
+    if contacts <= FEW_TOGETHER {
+        return 0;
+    }
+    landings.sum::<u32>().saturating_mul(contacts) / (FEW_TOGETHER * FEW_TOGETHER)
 }
 
 impl<W: MotionObserver> EventDriven<W> {
@@ -124,6 +139,18 @@ impl<W: MotionObserver> EventDriven<W> {
 pub(super) fn pulls(dynamics: &Dynamics) -> Vec<[Direction; 2]> {
     let dofs = dynamics.acceleration.len();
     let along = |response: &Direction| {
+        if dynamics.stiffness.is_full() {
+            // The terms of one place need not be sorted: rounding of a budget is nothing.
+            let mut sums = vec![0.0; dofs];
+            for &(dof, response) in &response.0 {
+                dynamics
+                    .stiffness
+                    .row(dof)
+                    .for_each(|(other, k)| sums[other] += (response * k).abs());
+            }
+            let parts = sums.into_iter().enumerate().filter(|part| part.1 != 0.0);
+            return Direction(parts.collect());
+        }
         let terms = response.0.iter().flat_map(|&(dof, response)| {
             dynamics.stiffness.row(dof).map(move |(other, k)| (other, 0, (response * k).abs()))
         });

@@ -58,7 +58,7 @@ impl Contacts {
         inputs: &Inputs,
         h: f64,
     ) -> Result<(), StepFailure> {
-        let Dynamics { problem, constraint_of, law, .. } = &mut *dynamics;
+        let Dynamics { problem, constraint_of, law, response_columns, .. } = &mut *dynamics;
         // In slices of one length no index needs a check of its own.
         let (v, a) = (&mut v[..x.len()], &mut a[..x.len()]);
         let contacts = self.places.len();
@@ -101,10 +101,14 @@ impl Contacts {
         motion.statistics.steps += 1;
         motion.statistics.count_sweeps(sweeps);
 
-        for (place, forces) in self.places.iter().zip(&problem.forces) {
-            for (force, response) in forces.iter().zip(&place.responses) {
-                for &(dof, factor) in &self.parts[response.clone()] {
-                    a[dof] += force * factor;
+        if let Some(columns) = response_columns {
+            columns.add_product(problem.forces.as_flattened(), a);
+        } else {
+            for (place, forces) in self.places.iter().zip(&problem.forces) {
+                for (force, response) in forces.iter().zip(&place.responses) {
+                    for &(dof, factor) in &self.parts[response.clone()] {
+                        a[dof] += force * factor;
+                    }
                 }
             }
         }

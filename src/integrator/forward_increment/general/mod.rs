@@ -6,17 +6,20 @@
 
 mod contacts;
 mod dense;
+mod full;
 mod sparse;
 
 use crate::Error;
 use crate::contact::ContactForce;
 use crate::integrator::dynamics::Dynamics;
+use crate::integrator::per_mass::PerMass;
 use crate::integrator::{
     AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Integrator, Kernel, Motion, StepFailure,
 };
 use crate::model::{Damping, LumpedModel};
 use contacts::Contacts;
 use dense::Dense;
+use full::Full;
 use sparse::{DiagonalMass, FullMass, Sparse};
 
 /// A full matrix with more zeros than this for each other entry is slower than a sparse one, as measured on
@@ -45,6 +48,8 @@ pub(in crate::integrator) fn faster(model: &LumpedModel) -> Result<Box<dyn Integ
 pub fn sparse(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
     if model.mass.as_diagonal().is_some() {
         GeneralScheme::<Sparse<DiagonalMass>>::boxed(model)
+    } else if PerMass::suits(model) {
+        GeneralScheme::<Full>::boxed(model)
     } else {
         GeneralScheme::<Sparse<FullMass>>::boxed(model)
     }
@@ -74,6 +79,7 @@ pub(super) fn kernels() -> Vec<Kernel> {
     [
         GeneralScheme::<Sparse<DiagonalMass>>::list("sparse"),
         GeneralScheme::<Sparse<FullMass>>::list("sparse"),
+        GeneralScheme::<Full>::list("sparse"),
         GeneralScheme::<Dense<1>>::list("dense"),
         GeneralScheme::<Dense<2>>::list("dense"),
         GeneralScheme::<Dense<4>>::list("dense"),

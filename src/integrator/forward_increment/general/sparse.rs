@@ -21,8 +21,8 @@ pub(super) trait MassMatrix: Send + 'static {
 
     fn new(model: &LumpedModel, dynamics: &Dynamics) -> Self;
 
-    /// Returns a row of M ẋ.
-    fn row_times(&self, dynamics: &Dynamics, row: usize, v: &[f64]) -> f64;
+    /// Calls `found` with each row of M ẋ.
+    fn each_product(&self, dynamics: &Dynamics, v: &[f64], found: impl FnMut(usize, f64));
 
     /// Replaces the force f by M⁻¹ f.
     fn divide(&mut self, dynamics: &Dynamics, force: &mut [f64]);
@@ -48,8 +48,10 @@ impl MassMatrix for DiagonalMass {
     }
 
     #[inline(always)]
-    fn row_times(&self, _: &Dynamics, row: usize, v: &[f64]) -> f64 {
-        self.mass[row] * v[row]
+    fn each_product(&self, _: &Dynamics, v: &[f64], mut found: impl FnMut(usize, f64)) {
+        for (row, (mass, v)) in self.mass.iter().zip(v).enumerate() {
+            found(row, mass * v);
+        }
     }
 
     #[inline(always)]
@@ -68,16 +70,14 @@ impl MassMatrix for FullMass {
     }
 
     #[inline(always)]
-    fn row_times(&self, dynamics: &Dynamics, row: usize, v: &[f64]) -> f64 {
-        dynamics.mass.row_times(row, v)
+    fn each_product(&self, dynamics: &Dynamics, v: &[f64], found: impl FnMut(usize, f64)) {
+        dynamics.mass.each_product(v, found);
     }
 
     #[inline(always)]
     fn divide(&mut self, dynamics: &Dynamics, force: &mut [f64]) {
         self.force.copy_from_slice(force);
-        for (row, acceleration) in force.iter_mut().enumerate() {
-            *acceleration = dynamics.inverse_mass.row_times(row, &self.force);
-        }
+        dynamics.inverse_mass.each_product(&self.force, |row, driven| force[row] = driven);
     }
 }
 
@@ -125,15 +125,12 @@ impl<M: MassMatrix> InternalForces for Sparse<M> {
         } else {
             &*x
         };
-        for (row, (a, load)) in a.iter_mut().zip(&*load).enumerate() {
-            let mut force = load - dynamics.stiffness.row_times(row, strained);
-            if D::RAYLEIGH {
-                force -= alpha * self.mass.row_times(dynamics, row, v);
-            }
-            if D::DAMPERS {
-                force -= dynamics.dampers.row_times(row, v);
-            }
-            *a = force;
+        dynamics.stiffness.each_product(strained, |row, springs| a[row] = load[row] - springs);
+        if D::RAYLEIGH {
+            self.mass.each_product(dynamics, v, |row, momentum| a[row] -= alpha * momentum);
+        }
+        if D::DAMPERS {
+            dynamics.dampers.each_product(v, |row, damped| a[row] -= damped);
         }
         self.mass.divide(dynamics, a);
     }
