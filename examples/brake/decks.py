@@ -5,8 +5,8 @@
 
 disc.inp and pad.inp store stiffness and mass matrices (NAME.sti, NAME.mas, NAME.dof) when `ccx NAME` runs them;
 disc_modes.inp and pad_modes.inp find eigenfrequencies of the same meshes (NAME.dat). disc_contacts.txt and
-pad_contacts.txt list the nodes of the two faces that rub, pad_corners.txt and pad_piston.txt the nodes of the backing
-plate where the caliper guides the pad and where the piston presses. pairs.csv has one line for each pad node: the disc node below it, the normal, the direction in
+pad_contacts.txt list the nodes of the two faces that rub, pad_back.txt the nodes of the backing plate where the caliper
+guides the pad (its corners) and where the piston presses. pairs.csv has one line for each pad node: the disc node below it, the normal, the direction in
 which the disc moves there, and how fast (m/s) at OMEGA (rad/s, 5 by default).
 
 Units of the decks are N, mm, t and s. The disc turns about z, against the clock as seen from above. Its upper face is
@@ -114,8 +114,9 @@ def main():
     write("pad_contacts.txt", map(str, PAD.face(0, range(4))))
     # On the back of the backing plate: its corners, where the caliper guides it, and where the piston presses.
     back = len(PAD.heights) - 1
-    write("pad_corners.txt", [str(PAD.number(back, *place)) for place in [(0, 0), (0, 3), (6, 0), (6, 3)]])
-    write("pad_piston.txt", [str(PAD.number(back, angle, radius)) for angle in (2, 3, 4) for radius in (1, 2)])
+    corners = [PAD.number(back, angle, radius) for angle in (0, 6) for radius in (0, 3)]
+    piston = [PAD.number(back, angle, radius) for angle in (2, 3, 4) for radius in (1, 2)]
+    write("pad_back.txt", map(str, corners + piston))
     write("pairs.csv", pairs(given.speed))
 
 
