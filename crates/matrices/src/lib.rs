@@ -1,4 +1,4 @@
-//! Reads sparse matrices that finite-element programs and numerical tools write.
+//! Reads sparse matrices, and [meshes](mesh), that finite-element programs and numerical tools write.
 //!
 //! [`open`] reads a file. Each reader takes the bytes of a file, so that it can be tried without one. A fault in a file is an
 //! [`Error`] with the line or the offset, and the remedy. No content makes a reader panic, and its memory is bounded by the size of
@@ -32,6 +32,7 @@ pub mod mat;
 pub mod mat73;
 mod matrix;
 pub mod matrix_market;
+pub mod mesh;
 pub mod npy;
 pub mod npz;
 mod numbers;

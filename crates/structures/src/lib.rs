@@ -7,6 +7,7 @@
 //! | `random` | start vectors |
 //! | `dissection` | orders of elimination |
 //! | `sparse` | sparse matrices by columns |
+//! | [`nodes`] | the motion of the nodes of a mesh |
 //! | [`symmetric`] | undamped structures: modes with bounds, superelements with a certificate |
 //! | [`quadratic`] | complex eigenvalues in a rectangle, and a count that shows that none is missing |
 //! | [`family`] | matrices that depend on a parameter, and their modes followed over it |
@@ -15,6 +16,7 @@
 
 mod dissection;
 pub mod family;
+pub mod nodes;
 pub mod quadratic;
 mod random;
 mod sparse;

@@ -86,6 +86,81 @@ fn a_superelement_has_the_frequencies_of_its_certificate() {
     // 72 rows, by columns, behind a header of 128 bytes.
     let shapes = fs::read(folder.path().join("out/shapes.npy")).unwrap();
     assert_eq!(shapes.len() as u64, 128 + 8 * 72 * size);
+    let named = fs::read_to_string(folder.path().join("out/shapes.csv")).unwrap();
+    assert!(named.starts_with("node,direction\n1,1\n1,2\n1,3\n2,1\n"), "{named}");
+    assert_eq!(named.lines().count(), 72 + 1);
+}
+
+/// The mesh of the block: nodes from 1, along x first, then y, then z.
+fn block_mesh() -> String {
+    let mut deck = String::from("*NODE, NSET=ALL\n");
+    for node in 0..24 {
+        let [i, j, k] = [node % 4, node / 4 % 3, node / 12].map(f64::from);
+        deck += &format!("{}, {}, {}, {}\n", node + 1, 0.2 * i / 3.0, 0.11 * j / 2.0, 0.03 * k);
+    }
+    deck += "*ELEMENT, TYPE=C3D8\n";
+    for (element, lower) in [1, 2, 3, 5, 6, 7].into_iter().enumerate() {
+        let face = [lower, lower + 1, lower + 5, lower + 4];
+        let nodes = face.into_iter().chain(face.map(|node| node + 12));
+        let nodes: Vec<String> = nodes.map(|node| node.to_string()).collect();
+        deck += &format!("{}, {}\n", element + 1, nodes.join(", "));
+    }
+    deck
+}
+
+/// The numbers of an array of a file of VTK.
+fn vtk_array(file: &str, name: &str) -> Vec<f64> {
+    let (_, rest) = file.split_once(&format!("Name=\"{name}\"")).unwrap();
+    let (_, rest) = rest.split_once('>').unwrap();
+    let (inside, _) = rest.split_once('<').unwrap();
+    inside.split_whitespace().map(|number| number.parse().unwrap()).collect()
+}
+
+/// A mode of a free body moves neither its centre of mass nor turns it, and the six modes before it are motions of a rigid body.
+#[test]
+fn modes_on_a_mesh_are_those_of_the_superelement() {
+    let folder = folder();
+    fs::write(folder.path().join("block.inp"), block_mesh()).unwrap();
+    let nodes = ["--contacts", "1,4,9,12", "--retain", "13:16", "--frequency", "20000"];
+    let rest = ["-o", "out", "--mesh", "block.inp", "--vtk", "modes", "--picture", "modes.png"];
+    let output = reduce(folder.path(), &[&nodes[..], &rest].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let png = fs::read(folder.path().join("modes.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG"));
+    let list = fs::read_to_string(folder.path().join("modes/modes.pvd")).unwrap();
+    let certificate = fs::read_to_string(folder.path().join("out/certificate.json")).unwrap();
+    let certificate: Value = serde_json::from_str(&certificate).unwrap();
+    let own = numbers(&certificate["free"]["modes"], "superelement_hz");
+    assert_eq!(list.matches("<DataSet").count(), own.len());
+    let times = list.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+    for (time, frequency) in times.zip(&own).skip(6) {
+        let time: f64 = time.parse().unwrap();
+        assert!((time - frequency).abs() < 1e-9 * frequency, "{time} and {frequency}");
+    }
+    for number in 1..=own.len() {
+        let file = fs::read_to_string(folder.path().join(format!("modes/mode_{number:03}.vtu")));
+        let file = file.unwrap();
+        let moved = vtk_array(&file, "displacement");
+        assert_eq!(moved.len(), 72);
+        assert!((moved.iter().copied().fold(0.0, |a, b| f64::max(a, b.abs())) - 1.0).abs() < 1e-12);
+        assert_eq!(vtk_array(&file, "node"), (1..=24).map(f64::from).collect::<Vec<_>>());
+        assert_eq!(vtk_array(&file, "types"), [12.0; 6]);
+        // The stretch of the diagonals of an element: none in the motion of a rigid body.
+        let places = vtk_array(&file, "place");
+        let stretch = [(0, 17), (1, 16), (5, 12), (4, 13)].map(|(a, b)| {
+            let along = (0..3).map(|i| places[3 * b + i] - places[3 * a + i]);
+            let apart = (0..3).map(|i| moved[3 * b + i] - moved[3 * a + i]);
+            along.zip(apart).map(|(x, u)| x * u).sum::<f64>()
+        });
+        let most = stretch.iter().copied().fold(0.0, |a, b| f64::max(a, b.abs()));
+        assert_eq!(most < 1e-7, number <= 6, "mode {number}: {most}");
+    }
+    let others = "*NODE\n1, 0, 0\n2, 1, 0\n3, 0, 1\n*ELEMENT, TYPE=S3\n1, 1, 2, 3\n";
+    fs::write(folder.path().join("other.inp"), others).unwrap();
+    let rest = ["-o", "other", "--mesh", "other.inp", "--vtk", "modes"];
+    let output = reduce(folder.path(), &[&nodes[..], &rest].concat());
+    assert_refused(&output, 1, &["other.inp", "the matrices have node 4", "from 1 to 3"]);
+    assert!(!folder.path().join("other").exists());
 }
 
 #[test]

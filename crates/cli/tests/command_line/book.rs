@@ -6,6 +6,7 @@
 //! | --- | --- |
 //! | `sh` | runs it with `bash -e`; the blocks of a page in order, in one folder that is empty at first |
 //! | `sh,long` | makes the page one of the long suite |
+//! | | `$AMONTONS` in it is the folder of the repository |
 //! | `toml` with the first line `# name.toml` | writes this file into the folder and reads it as a scene |
 //! | `python` with the first line `# name.py` | writes this file into the folder |
 //! | `toml,part` | reads it as TOML |
@@ -157,7 +158,8 @@ fn commands(script: &str, folder: &Path) -> Result<Vec<String>, String> {
     let folders = [programs, interpreter.parent().unwrap()].map(Path::to_owned);
     let path = env::join_paths(folders.into_iter().chain(env::split_paths(&before))).unwrap();
     let mut bash = Command::new("bash");
-    let output = bash.args(["-e", "-c", script]).current_dir(folder).env("PATH", path).output();
+    let output = bash.args(["-e", "-c", script]).current_dir(folder);
+    let output = output.env("PATH", path).env("AMONTONS", ROOT).output();
     let output = output.map_err(|error| error.to_string())?;
     let all =
         [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());

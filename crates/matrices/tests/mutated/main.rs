@@ -11,7 +11,8 @@ mod memory;
 
 use amontons_matrices::{Fault, Matrix, Place, Symmetry};
 use amontons_matrices::{
-    abaqus, calculix, dmig, harwell_boeing, mapping, mat, mat73, matrix_market, npy, npz, output4,
+    abaqus, calculix, dmig, harwell_boeing, mapping, mat, mat73, matrix_market, mesh, npy, npz,
+    output4,
 };
 use damage::{Random, damage};
 use memory::{Counting, peak};
@@ -44,6 +45,17 @@ const READERS: &[Reader] = &[
         name: "Harwell–Boeing",
         files: &["A.rua", "K.matrix"],
         read: |content| harwell_boeing::read(content).map(|matrix| vec![matrix]),
+    },
+    Reader {
+        name: "mesh of Abaqus",
+        files: &["tets.inp"],
+        read: |content| {
+            let mesh = mesh::inp::read(content)?;
+            let count = mesh.nodes.len();
+            assert!(mesh.nodes.is_sorted_by(|a, b| a < b) && mesh.points.len() == count);
+            assert!(mesh.surface().iter().flatten().all(|&corner| corner < count));
+            Ok(Vec::new())
+        },
     },
     Reader {
         name: "mapping of Ansys",

@@ -1,6 +1,8 @@
 //! Reduction to a superelement: Craig and Bampton's.
 
+use super::bounds::frequency;
 use super::factor::{Factors, Pattern, gigabytes};
+use super::lanczos::dense;
 use super::modes::below;
 use super::structure::Structure;
 use crate::sparse::Sparse;
@@ -64,6 +66,26 @@ impl Superelement {
         }
         let reduced = self.basis.transpose() * Sparse::new(full)?.times(self.basis.as_ref());
         Ok(matrix(&reduced, self.freedoms(structure)))
+    }
+
+    /// The modes of the free superelement up to a frequency in Hz, those of a rigid body among them: the frequency of each, Hz,
+    /// and the motion of all rows of the full matrices, of which the largest has the magnitude 1.
+    ///
+    /// # Errors
+    /// Returns an error if the modes cannot be computed.
+    pub fn free_modes(&self, limit: f64) -> Result<Vec<(f64, Vec<f64>)>, Error> {
+        let (values, vectors) = dense(&self.stiffness, &self.mass)?;
+        let kept = values.iter().take_while(|&&value| frequency(value) <= limit).count();
+        let shapes = &self.basis * vectors.subcols(0, kept);
+        let modes = values.iter().take(kept).enumerate().map(|(mode, &value)| {
+            let shape: Vec<f64> = shapes.col(mode).iter().copied().collect();
+            // The sign is that of the largest value, so that it does not depend on the machine.
+            let larger = |a: f64, &b: &f64| if b.abs() > a.abs() { b } else { a };
+            let largest = shape.iter().fold(0.0, larger);
+            let scale = if largest == 0.0 { 1.0 } else { largest };
+            (frequency(value), shape.into_iter().map(|value| value / scale).collect())
+        });
+        Ok(modes.collect())
     }
 
     fn freedoms(&self, structure: &Structure) -> Vec<Freedom> {

@@ -191,9 +191,19 @@ pub struct Reduce {
     /// Memory for factors and vectors, GB
     #[arg(long, value_name = "GB", value_parser = above_zero, default_value = "8")]
     pub memory: f64,
-    /// Also write the motion of all rows for a unit of each coordinate, shapes.npy
+    /// Also write the motion of all rows for a unit of each coordinate, shapes.npy, and node and direction of these rows,
+    /// shapes.csv
     #[arg(long)]
     pub shapes: bool,
+    /// Mesh of the model, an input file of Abaqus or CalculiX, for --vtk and --picture
+    #[arg(long, value_name = "FILE.inp")]
+    pub mesh: Option<PathBuf>,
+    /// Write the modes of the free superelement up to --frequency on the mesh, as a folder of files for ParaView
+    #[arg(long, value_name = "DIR", requires = "mesh")]
+    pub vtk: Option<PathBuf>,
+    /// Draw the first 12 of these modes that are not at 0 Hz
+    #[arg(long, value_name = "FILE.png|svg", requires = "mesh")]
+    pub picture: Option<PathBuf>,
     /// Folder of the results: stiffness.mtx, mass.mtx, freedoms.csv, certificate.json
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,

@@ -1,5 +1,6 @@
 //! `amontons reduce`.
 
+mod modes;
 mod table;
 
 use crate::arguments::Reduce;
@@ -11,6 +12,7 @@ use amontons_cli::progress::Progress;
 use amontons_matrices::{
     Matrix, align, name_rows, open, read_freedoms, write_freedoms, write_matrix_market, write_npy,
 };
+use amontons_pictures::picture::check_name;
 use amontons_structures::symmetric::{Request, Structure, Superelement, certify, reduce};
 use std::fmt;
 use std::fs;
@@ -65,6 +67,10 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
         ))
         .into());
     }
+    let mesh = arguments.mesh.as_deref().map(|path| modes::open(path, &structure)).transpose()?;
+    if let Some(path) = &arguments.picture {
+        check_name(path)?;
+    }
     let contacts = structure.rows_of(&arguments.contacts.0)?;
     let mut retained = arguments.contacts.0.clone();
     retained.extend(arguments.retain.iter().flat_map(|nodes| &nodes.0));
@@ -101,6 +107,9 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
         Certified::new(&stuck),
     );
     write_results(arguments, &structure, &superelement, &also, &report)?;
+    if let Some(mesh) = &mesh {
+        modes::write(arguments, mesh, &structure, &superelement)?;
+    }
     report.print(&mut std::io::stdout().lock())?;
     println!("\nwritten to {}", arguments.output.display());
     if report.is_complete() { Ok(()) } else { Err(NotShown.into()) }
@@ -146,6 +155,7 @@ fn write_results(
         let basis = &superelement.basis;
         let values = (0..basis.ncols()).flat_map(|column| basis.col(column).iter().copied());
         put("shapes.npy", &write_npy(basis.nrows(), basis.ncols(), values))?;
+        put("shapes.csv", write_freedoms(structure.freedoms()).as_bytes())?;
     }
     put(CERTIFICATE, report.json().as_bytes())
 }
