@@ -195,7 +195,7 @@ fn load_warnings(simulation: &Simulation) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use amontons::scene::{BUILTIN, Structure, builtin, parse};
+    use amontons::scene::{Line, Point, Spring, BUILTIN, Structure, builtin, parse};
 
     #[test]
     fn stiffnesses_in_newtons_a_millimetre_stand_out_and_the_built_in_scenes_do_not() {
@@ -230,10 +230,10 @@ mod tests {
         let mut scene = builtin("belt").unwrap().scene();
         let Structure::Network(network) = &mut scene.structure else { panic!("it is a network") };
         network.masses[0].load = [0.0, 3.0];
-        network.springs.push(amontons::scene::Spring {
+        network.springs.push(Spring {
             name: "across".into(),
-            between: [Some(0), None],
-            direction: std::f64::consts::FRAC_PI_2,
+            between: [Some(Point::Mass(0)), None],
+            direction: Line::Angle(std::f64::consts::FRAC_PI_2),
             stiffness: 1e4,
             preload: None,
         });
