@@ -143,13 +143,6 @@ impl Run {
             }
         }
         let apart = simulation.reference().gap.clone();
-        for (i, contact) in model.contacts.iter().enumerate() {
-            // As far as rounding allows, the unloaded position and the displacement to the equilibrium give this gap.
-            let place = DVector::from_column_slice(&simulation.reference().displacement);
-            let normal = directions.column(2 * i);
-            let terms = contact.gap + normal.abs().dot(&place.abs());
-            assert!((contact.gap + normal.dot(&place) - apart[i]).abs() <= 1e-6 * terms);
-        }
         let determined = contacts > 0 && singular::rank(&directions, 1e-9) == 2 * contacts;
         let fit = determined.then(|| singular::pseudo_inverse(&directions, 1e-9));
         let signals = scene.signals.iter().map(|signal| {
@@ -173,6 +166,13 @@ impl Run {
             velocity = velocity.max(force / (springs * lightest).sqrt());
         }
         let scales = Scales { length: force / springs, velocity, force };
+        // The unloaded position and the displacement to the equilibrium give the same gaps.
+        let place = DVector::from_column_slice(&reference.displacement);
+        for (i, contact) in model.contacts.iter().enumerate() {
+            let normal = directions.column(2 * i);
+            let terms = contact.gap + normal.abs().dot(&place.abs()) + scales.length;
+            assert!((contact.gap + normal.dot(&place) - apart[i]).abs() <= 1e-6 * terms);
+        }
         let variables = [by_dof(Quantity::Displacement), by_dof(Quantity::Velocity)];
         let zero = || [DVector::zeros(n), DVector::zeros(n)];
         let mut run = Self {
