@@ -311,6 +311,25 @@ mod tests {
         assert!(nowhere.is_equilibrium(), "{nowhere}");
     }
 
+    /// Without friction the load opens contact 2; the slider's drag closes it.
+    #[test]
+    fn an_equilibrium_with_other_contacts_closed_is_left_out_and_told() {
+        let mut scene = builtin("set1").unwrap().scene();
+        scene.slider.angle = -0.5;
+        scene.modules_mut()[1].preload = -2e-3;
+        let found = bistability(&scene, [0.0, 1.96], Watch::IDLE).unwrap();
+        let [[from, to]] = found.equilibrium[..] else { panic!("{:?}", found.equilibrium) };
+        let (other, states) = found.other.unwrap();
+        assert_eq!(states, [ContactState::Slide; 2]);
+        assert!(from == 0.0 && to <= other && other - to < 0.01, "{to} {other}");
+        let gap = |mu: f64| {
+            let scene = Scene { friction_coefficient: mu, ..scene.clone() };
+            amontons::assembly::equilibrium(&scene, &LumpedModel::from(&scene)).unwrap().gap[1]
+        };
+        assert!(gap(to) > 0.0 && gap(to + 1e-9) == 0.0);
+        assert!(found.candidates.iter().all(|candidate| candidate.range[1] <= to));
+    }
+
     /// Equal modules of which one is pressed on less: what a push needs does not depend on which of them it is.
     #[test]
     fn a_loose_contact_of_a_ring_is_a_candidate_wherever_it_stands() {
