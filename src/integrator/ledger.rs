@@ -16,7 +16,7 @@
 //!
 //! The entries from damping to forces accumulate since the start. The integrators themselves contain no part of the
 //! ledger: each has a variant that writes the ledger of its motion and is made only on request
-//! ([`choose_with_ledger`](super::choose_with_ledger)).
+//! ([`choose_recording`](super::choose_recording)).
 
 use super::Motion;
 use crate::model::{Equilibrium, LumpedModel, SparseMatrix};

@@ -8,12 +8,14 @@ mod event_driven;
 mod forward_increment;
 mod ledger;
 mod method;
+mod visits;
 
 pub(crate) use event_driven::full_places;
 pub use event_driven::{Event, EventDriven, EventRecord, EventRecorder};
 pub use forward_increment::{RingForwardIncrement, dense, sparse};
 pub use ledger::{Energy, Ledger};
 pub use method::Method;
+pub use visits::{MOST_VISITED, Visit, VisitLog};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
@@ -396,6 +398,11 @@ pub trait Integrator: Send {
         None
     }
 
+    /// The contact states that the motion has gone through; `None` if the integrator keeps no log of them.
+    fn visits(&self) -> Option<&VisitLog> {
+        None
+    }
+
     /// Reserves memory for `_count` waves of a drive, before the first step that has them.
     fn expect_waves(&mut self, _count: usize) {}
 
@@ -433,19 +440,46 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
     forward_increment::faster(model)
 }
 
-/// Returns the fastest integrator of this method for the structure of the model that also writes the energy ledger of a
-/// motion, step by step. A motion without a ledger is advanced without one.
+/// What an integrator writes down besides the motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Records {
+    /// The energy ledger of the motion, step by step; a motion without a ledger is advanced without one.
+    pub ledger: bool,
+    /// A log of the contact states ([`Integrator::visits`]), for which a step may allocate memory.
+    pub visits: bool,
+}
+
+/// Returns the fastest integrator of this method for the structure of the model that also writes these records. They do not
+/// change the motion.
 ///
 /// # Errors
 /// Returns an error if the mass matrix is not positive definite, or if more contacts share masses than the method
 /// takes.
-pub fn choose_with_ledger(
+pub fn choose_recording(
     model: &LumpedModel,
     method: Method,
+    records: Records,
 ) -> Result<Box<dyn Integrator>, Error> {
+    use event_driven::Writer;
     use forward_increment::WithLedger;
+    let Records { ledger, visits } = records;
     if method == Method::EventDriven {
-        return Ok(Box::new(EventDriven::with_observer(model, event_driven::Writer::new(model))?));
+        let writer = || Writer::new(model);
+        return Ok(match (ledger, visits) {
+            (false, false) => Box::new(EventDriven::new(model)?),
+            (true, false) => Box::new(EventDriven::with_observer(model, writer())?),
+            (false, true) => Box::new(EventDriven::with_observer(model, VisitLog::default())?),
+            (true, true) => {
+                Box::new(EventDriven::with_observer(model, (writer(), VisitLog::default()))?)
+            }
+        });
     }
-    Ok(Box::new(WithLedger::new(choose(model, method)?, model)))
+    let mut chosen = choose(model, method)?;
+    if ledger {
+        chosen = Box::new(WithLedger::new(chosen, model));
+    }
+    if visits {
+        chosen = Box::new(visits::WithVisits::new(chosen));
+    }
+    Ok(chosen)
 }

@@ -9,12 +9,15 @@ use uuid::Uuid;
 #[must_use]
 pub fn fingerprint(source: &Source) -> String {
     let version = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
-    let tables = source.tables.iter().flat_map(|(name, text)| [&**name, text]);
+    let Source { text, tables, binaries } = source;
+    let tables = tables.iter().flat_map(|(name, text)| [name.as_bytes(), text.as_bytes()]);
+    let binaries = binaries.iter().flat_map(|(name, bytes)| [name.as_bytes(), bytes]);
+    let texts = [version, &**text].into_iter().chain(CATALOGUE_TEXT).map(str::as_bytes);
     let mut name = Vec::new();
-    for part in [version, &*source.text].into_iter().chain(CATALOGUE_TEXT).chain(tables) {
+    for part in texts.chain(tables).chain(binaries) {
         // Lengths keep different parts from giving the same text.
         name.extend_from_slice(&part.len().to_le_bytes());
-        name.extend_from_slice(part.as_bytes());
+        name.extend_from_slice(part);
     }
     Uuid::new_v5(&Uuid::NAMESPACE_OID, &name).braced().to_string()
 }
@@ -36,5 +39,11 @@ mod tests {
         let tables = [with("f.csv", "1"), with("f.csv", "2"), with("g.csv", "1"), a.clone()];
         let prints = tables.each_ref().map(fingerprint);
         assert!((0..4).all(|i| !prints[..i].contains(&prints[i])), "{prints:?}");
+        let packed = |bytes: &[u8]| Source {
+            binaries: vec![("pad.superelement".to_owned(), bytes.to_vec())],
+            ..a.clone()
+        };
+        let prints = [packed(&[0xFF, 1]), packed(&[0xFF, 2]), a.clone()].map(|it| fingerprint(&it));
+        assert!(prints[0] != prints[1] && prints[0] != prints[2], "{prints:?}");
     }
 }

@@ -30,7 +30,9 @@ use crate::Error;
 use crate::assembly::{self, Numbering};
 use crate::contact::{ContactForce, ContactState, Friction};
 use crate::error::Short;
-use crate::integrator::{self, Energy, Inputs, Integrator, Ledger, Motion, Statistics};
+use crate::integrator::{
+    self, Energy, Inputs, Integrator, Ledger, Motion, Records, Statistics, VisitLog,
+};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{Equilibrium, LumpedModel};
 use crate::scene::{Method, Scene, Structure};
@@ -174,11 +176,8 @@ impl Simulation {
         if let Some(guard) = &mut guard {
             guard.check(&model)?;
         }
-        let mut integrator = if scene.effects.energy {
-            integrator::choose_with_ledger(&model, scene.method)?
-        } else {
-            integrator::choose(&model, scene.method)?
-        };
+        let records = Records { ledger: scene.effects.energy, visits: false };
+        let mut integrator = integrator::choose_recording(&model, scene.method, records)?;
         let mut inputs = Inputs::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
         let numbering = scene.network().map_or_else(Numbering::default, Numbering::of);
         if let Some(driven) = &driven {
@@ -343,6 +342,24 @@ impl Simulation {
     #[must_use]
     pub fn reference(&self) -> &Equilibrium {
         &self.reference.equilibrium
+    }
+
+    /// Begins a log of the contact states that the motion goes through from now on ([`visits`](Self::visits)). It does not
+    /// change the motion.
+    ///
+    /// # Errors
+    /// Returns the errors of [`choose_recording`](integrator::choose_recording).
+    pub fn record_visits(&mut self) -> Result<(), Error> {
+        let records = Records { ledger: self.scene.effects.energy, visits: true };
+        self.integrator = integrator::choose_recording(&self.model, self.scene.method, records)?;
+        self.integrator.expect_waves(self.inputs.waves.len());
+        Ok(())
+    }
+
+    /// The contact states since [`record_visits`](Self::record_visits); `None` if it was not called.
+    #[must_use]
+    pub fn visits(&self) -> Option<&VisitLog> {
+        self.integrator.visits()
     }
 
     /// Advances to time `target` (s). Inputs are held, except for the contributions of signals: each step uses their

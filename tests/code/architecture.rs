@@ -29,6 +29,7 @@ const PACKAGES: [(&str, &[&str]); 5] = [
             "record",
             "journal",
             "output",
+            "patterns",
             "statistics",
             "regions",
             "spectral",
@@ -50,7 +51,7 @@ const PACKAGES: [(&str, &[&str]); 5] = [
         &["random", "dissection", "sparse", "symmetric", "quadratic", "family"],
     ),
     ("crates/pictures/src", &["picture", "report"]),
-    ("crates/export/src", &["scene", "feedthrough", "package", "documentation"]),
+    ("crates/export/src", &["superelement", "scene", "feedthrough", "package", "documentation"]),
 ];
 
 /// Modules that the sources under `path` name with `crate::module`. Tests inside modules may name any.

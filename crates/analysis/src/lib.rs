@@ -8,6 +8,7 @@
 //! | [`record`] | a run of an experiment, row by row |
 //! | [`journal`] | finished pieces of work, with which work that was ended continues, and which several workers share |
 //! | [`output`] | files of results that appear whole or not at all |
+//! | [`patterns`] | patterns of contact states that a run went through, and their names |
 //! | `statistics` | statistics of values |
 //! | [`regions`] | classes of a plane of points, found without looking at each point |
 //! | [`spectral`] | spectra of histories |
@@ -33,6 +34,7 @@ pub mod instant;
 pub mod journal;
 pub mod orbit;
 pub mod output;
+pub mod patterns;
 pub mod record;
 pub mod regions;
 pub mod spectral;

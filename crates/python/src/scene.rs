@@ -11,7 +11,7 @@ use amontons_analysis::stability::Linearised;
 use amontons_export::scene as files;
 use amontons_pictures::picture::Structure;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyBytes, PyTuple};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -133,6 +133,13 @@ impl Scene {
     #[getter]
     fn tables(&self) -> Vec<(String, String)> {
         self.source.tables.clone()
+    }
+
+    /// Names and contents of the packed superelements.
+    #[getter]
+    fn binaries<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyBytes>)> {
+        let packed = self.source.binaries.iter();
+        packed.map(|(name, bytes)| (name.clone(), PyBytes::new(py, bytes))).collect()
     }
 
     #[getter]

@@ -5,14 +5,14 @@ use crate::errors::raised;
 use crate::interrupt::watched;
 use crate::scene::Scene;
 use amontons::Error;
-use amontons::contact::{ContactState, JoinedStates, parse_states};
+use amontons::contact::{ContactState, JoinedStates};
 use amontons::simulation::at_instant;
 use amontons::stability::Spectrum;
 use amontons_analysis::assign::assign;
 use amontons_analysis::instant::{require_undriven, signals_left_out};
 use amontons_analysis::stability::candidates::bistability;
 use amontons_analysis::stability::locus as loci;
-use amontons_analysis::stability::{Linearised, StateClasses, map};
+use amontons_analysis::stability::{Linearised, StateClasses, map, named_states};
 use amontons_analysis::sweep::FRICTION;
 use nalgebra::Complex;
 use pyo3::prelude::*;
@@ -55,9 +55,13 @@ fn linearised(scene: &Scene, friction: Option<f64>, at: f64) -> Result<Cow<'_, L
 }
 
 /// The contact state of this name, or uniform sliding.
-fn states_of(name: Option<&str>, here: &Linearised) -> Result<Vec<ContactState>, Error> {
+fn states_of(
+    name: Option<&str>,
+    scene: &Scene,
+    here: &Linearised,
+) -> Result<Vec<ContactState>, Error> {
     match name {
-        Some(name) => parse_states(name, here.model().contacts.len()),
+        Some(name) => named_states(name, &scene.scene, here),
         None => here.uniform_sliding(),
     }
 }
@@ -79,7 +83,7 @@ pub fn eigenvalues<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let found = py.detach(|| {
         let here = linearised(scene, friction, at)?;
-        let states = states_of(state, &here)?;
+        let states = states_of(state, scene, &here)?;
         Spectrum::of(here.linear()?, &states)
     });
     complexes(py, &all(found.map_err(raised)?))
@@ -98,7 +102,7 @@ pub fn modes<'py>(
     let (values, shapes, dofs) = py
         .detach(|| {
             let here = linearised(scene, friction, at)?;
-            let states = states_of(state, &here)?;
+            let states = states_of(state, scene, &here)?;
             let found = amontons_analysis::stability::modes(here.linear()?, &states)?;
             let values: Vec<_> = found.all().map(|mode| mode.eigenvalue).collect();
             let shapes: Vec<_> = found.all().flat_map(|mode| mode.shape.iter().copied()).collect();
@@ -153,7 +157,7 @@ pub fn locus<'py>(
         let with = |value: f64| changed(scene, (name, value), at);
         check_instant(at)?;
         let first = values.first().ok_or_else(|| Error::argument("a locus needs values"))?;
-        let states = states_of(state, &with(*first)?)?;
+        let states = states_of(state, scene, &with(*first)?)?;
         let at = |value: f64| watch.check().and_then(|()| with(value));
         #[allow(clippy::cast_precision_loss)]
         let done = |done: usize, of: usize| (watch.progress)(done as f64 / of as f64);

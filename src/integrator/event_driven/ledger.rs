@@ -6,7 +6,7 @@ use super::watch::Event;
 use crate::contact::{ContactState, Friction};
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::ledger::half_form;
-use crate::integrator::{Inputs, Motion};
+use crate::integrator::{Inputs, Motion, VisitLog};
 use crate::model::{Damping, LumpedModel};
 
 /// ∫ u^k du for u from 0 to 1: 1 / (k + 1).
@@ -58,6 +58,46 @@ pub trait MotionObserver: Send {
 
     /// Sees the motion after the events of an instant, in the states that follow them.
     fn sees_states(&mut self, _motion: &Motion) {}
+
+    /// The log of contact states, if the observer keeps one.
+    fn visits(&self) -> Option<&VisitLog> {
+        None
+    }
+}
+
+/// The observer that logs contact states.
+impl MotionObserver for VisitLog {
+    fn passes(&mut self, segment: Segment<'_>, motion: &mut Motion) {
+        self.stay(&motion.contacts, segment.part * segment.series.span());
+    }
+
+    fn is_struck(&mut self, _: Impact<'_>, _: &mut Motion) {}
+
+    fn sees_hops_end(&mut self, _: &mut Motion, _: f64) {}
+
+    fn visits(&self) -> Option<&VisitLog> {
+        Some(self)
+    }
+}
+
+/// The observer that writes the ledger and logs contact states.
+impl MotionObserver for (Writer, VisitLog) {
+    fn passes(&mut self, segment: Segment<'_>, motion: &mut Motion) {
+        self.1.stay(&motion.contacts, segment.part * segment.series.span());
+        self.0.passes(segment, motion);
+    }
+
+    fn is_struck(&mut self, impact: Impact<'_>, motion: &mut Motion) {
+        self.0.is_struck(impact, motion);
+    }
+
+    fn sees_hops_end(&mut self, motion: &mut Motion, sign: f64) {
+        self.0.sees_hops_end(motion, sign);
+    }
+
+    fn visits(&self) -> Option<&VisitLog> {
+        Some(&self.1)
+    }
 }
 
 /// The observer that ignores all events.

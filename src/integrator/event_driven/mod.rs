@@ -133,7 +133,7 @@ mod waves;
 use super::contact_problem::{ContactConstraint, ContactProblem};
 use super::dynamics::Dynamics;
 use super::{
-    AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Integrator, Motion, StepFailure,
+    AppliedLoad, ConstrainedResponse, HeldStates, Inputs, Integrator, Motion, StepFailure, VisitLog,
 };
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
@@ -803,6 +803,10 @@ impl<W: MotionObserver> Integrator for EventDriven<W> {
     ) -> Result<(), StepFailure> {
         self.series.law.respond(&self.dynamics, held, load, response);
         Ok(())
+    }
+
+    fn visits(&self) -> Option<&VisitLog> {
+        self.observer.visits()
     }
 
     fn expect_waves(&mut self, count: usize) {

@@ -97,6 +97,14 @@ impl Linearised {
         resting_state(&self.model)
     }
 
+    /// The states of the contacts in the equilibrium: as at rest, and open where the equilibrium leaves a gap.
+    ///
+    /// # Errors
+    /// Returns an error with the reason if there is no equilibrium.
+    pub fn equilibrium_states(&self) -> Result<Vec<ContactState>, Error> {
+        Ok(self.equilibrium()?.states(&self.model))
+    }
+
     /// The state of uniform sliding.
     ///
     /// # Errors

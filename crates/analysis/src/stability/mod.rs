@@ -8,6 +8,7 @@
 //! | `linearity_limit` | how large a mode may become before a contact leaves sliding |
 //! | `locus` | modes over a parameter: where they merge, where they begin to grow |
 //! | `linearised` | a scene's model as eigenvalues need it |
+//! | `named` | the contact states that a user names |
 //! | `growth` | ranges of a parameter in which modes grow |
 //! | `state_energy` | how large a motion must be before contacts can be in another state |
 //! | `candidates` | ranges of µ that can be bi-stable |
@@ -20,6 +21,7 @@ mod linearity_limit;
 pub mod locus;
 pub mod map;
 mod modes;
+mod named;
 pub mod parallel;
 mod state_energy;
 mod states;
@@ -27,6 +29,7 @@ mod states;
 pub use linearised::Linearised;
 pub use linearity_limit::{LinearityLimit, linearity_limit};
 pub use modes::{Mode, Modes, modes};
+pub use named::named_states;
 pub use parallel::{is_on_this_thread, on_this_thread};
 pub use state_energy::{StateEnergy, state_energy};
-pub use states::{MAX_CONTACTS, StateClasses};
+pub use states::{MAX_CONTACTS, StateClasses, spectra_of};

@@ -63,13 +63,25 @@ impl StateClasses {
         model: LinearModel<'_>,
         watch: Watch<'_>,
     ) -> Result<Vec<Spectrum>, Error> {
-        let work = |class: usize| {
-            watch.check()?;
-            Spectrum::of(model, &self.representatives[class])
-        };
-        let count = self.representatives.len();
-        parallel::collect(count, &work, &watch.parts(count))
+        spectra_of(&self.representatives, model, watch)
     }
+}
+
+/// The spectrum of each of these patterns of contact states, on all cores. The watch receives the part that is done, and can
+/// end the work.
+///
+/// # Errors
+/// Returns an error if one has no spectrum ([`Spectrum::of`]), or if the watch has ended the work.
+pub fn spectra_of(
+    patterns: &[impl AsRef<[ContactState]> + Sync],
+    model: LinearModel<'_>,
+    watch: Watch<'_>,
+) -> Result<Vec<Spectrum>, Error> {
+    let work = |place: usize| {
+        watch.check()?;
+        Spectrum::of(model, patterns[place].as_ref())
+    };
+    parallel::collect(patterns.len(), &work, &watch.parts(patterns.len()))
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ pub fn identity(
 ) -> Value {
     let set: Map<String, Value> =
         set.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
-    json!({
+    let mut identity = json!({
         "study": kind,
         "version": env!("CARGO_PKG_VERSION"),
         "format": FORMAT,
@@ -28,7 +28,21 @@ pub fn identity(
         "method": scene.method,
         "step": scene.step,
         "settings": settings,
-    })
+    });
+    if !source.binaries.is_empty() {
+        identity["matrices"] = matrices(source);
+    }
+    identity
+}
+
+/// The packed matrices of a scene as a study identifies them: names, sizes and checksums.
+pub fn matrices(source: &Source) -> Value {
+    let packed = |(name, bytes): &(String, Vec<u8>)| {
+        // The packed form ends in its checksum.
+        let sum = bytes.last_chunk().map_or(0, |sum| u64::from_le_bytes(*sum));
+        json!({ "name": name, "bytes": bytes.len(), "checksum": format!("{sum:016x}") })
+    };
+    source.binaries.iter().map(packed).collect()
 }
 
 /// Returns the reason why a folder belongs to another study: settings that differ, or results of an unknown study;
@@ -58,3 +72,24 @@ pub(super) const JOURNAL: &str = "journal.jsonl";
 
 /// Files that every study writes at its end.
 const RESULTS: [&str; 2] = ["results.csv", "study.json"];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::{Freedom, SuperelementMatrices, builtin};
+
+    #[test]
+    fn a_study_of_other_matrices_is_another_study() {
+        let scene = builtin("set1").unwrap().scene();
+        let of = |stiffness: f64| {
+            let freedoms = vec![Freedom { node: 1, direction: 1 }];
+            let one = SuperelementMatrices::new(freedoms, vec![1.0], vec![stiffness], vec![]);
+            let binaries = vec![("pad.superelement".to_owned(), one.unwrap().to_bytes())];
+            identity("sweep", (&scene, &Source { binaries, ..Source::default() }), &[], ())
+        };
+        assert_eq!(of(2.0), of(2.0));
+        assert_ne!(of(2.0), of(3.0));
+        let none = identity("sweep", (&scene, &Source::default()), &[], ());
+        assert!(none.get("matrices").is_none());
+    }
+}

@@ -11,7 +11,7 @@ mod identity;
 mod pieces;
 mod workers;
 
-pub use identity::{identity, other};
+pub use identity::{identity, matrices, other};
 pub use pieces::Pieces;
 
 use amontons::Error;

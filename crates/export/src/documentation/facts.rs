@@ -9,6 +9,12 @@ use amontons::stability::{CriticalStep, critical_step};
 /// The most contacts of which the normal force is given.
 const MOST_FORCES: usize = 12;
 
+/// A size in bytes as text, rounded up to kB.
+#[must_use]
+pub fn size(bytes: usize) -> String {
+    format!("{} kB", bytes.div_ceil(1000))
+}
+
 /// Pairs of a word and a text.
 pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
     let (scene, start) = (subject.scene, subject.start);

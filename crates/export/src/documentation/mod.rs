@@ -32,7 +32,7 @@ mod variables;
 
 pub use accuracy::accuracy_page;
 pub use cross_check::{CrossCheck, cross_check};
-pub use facts::{counted, first_forces};
+pub use facts::{counted, first_forces, size};
 pub use run::{ReferenceRun, reference_run};
 
 use crate::package::Documentation;
@@ -49,7 +49,7 @@ const NAMED: usize = 8;
 pub struct Subject<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Files of the scene, word for word.
+    /// Files of the scene, word for word, with packed superelements in place of matrix files.
     pub source: &'a Source,
     /// The scene at its start.
     pub start: &'a Simulation,

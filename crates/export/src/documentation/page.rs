@@ -82,8 +82,11 @@ fn file(subject: Subject<'_>) -> String {
     );
     markup::listing(&mut html, "scene.toml", &source.text);
     html.push_str("</details>\n");
-    if !source.tables.is_empty() {
-        let names: Vec<&str> = source.tables.iter().map(|(name, _)| &**name).collect();
+    let tables = source.tables.iter().map(|(name, _)| name.clone());
+    let matrices = source.binaries.iter();
+    let matrices = matrices.map(|(name, bytes)| format!("{name} ({})", facts::size(bytes.len())));
+    let names: Vec<String> = tables.chain(matrices).collect();
+    if !names.is_empty() {
         markup::paragraphs(
             &mut html,
             &[format!("Other files in the same folder: {}.", names.join(", "))],

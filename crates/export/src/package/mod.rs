@@ -51,6 +51,9 @@ pub fn fmu(
     for (name, table) in &source.tables {
         archive.add(&format!("resources/{name}"), table.as_bytes())?;
     }
+    for (name, matrices) in &source.binaries {
+        archive.add(&format!("resources/{name}"), matrices)?;
+    }
     if let Some(Documentation { index, accuracy, icon }) = documentation {
         if let Some(icon) = icon {
             archive.add("model.png", icon)?;

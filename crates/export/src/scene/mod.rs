@@ -3,20 +3,26 @@
 mod located;
 mod rewrite;
 
+use rewrite::pack;
 pub use rewrite::{set_initial, set_integrator, set_preset};
 
+use crate::superelement::Files;
 use amontons::Error;
 use amontons::scene::{Scene, SceneFile, SceneTables, Source, builtin, builtin_names};
 use std::path::Path;
 
-/// Reads and checks a scene file; its name becomes the file's stem.
+/// Reads and checks a scene file; its name becomes the file's stem. In the source, packed superelements have taken the place of
+/// the matrix files that the scene names.
 ///
 /// # Errors
 /// Returns all errors of the file, each with its line and column, its key, and a remedy.
 pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
-    let mut file = SceneFile::open(path)?;
+    let file = SceneFile::open(path)?;
+    let mut file = SceneFile { folder: file.folder.with_matrices(&Files), ..file };
     let scene = scene_of(&mut file)?;
-    Ok((scene, file.into_source()))
+    let mut source = file.into_source();
+    pack(&mut source)?;
+    Ok((scene, source))
 }
 
 /// Makes a scene from the text of a scene file that names no other files.

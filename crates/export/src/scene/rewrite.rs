@@ -1,9 +1,12 @@
-//! Another method and step, or other initial values, written into a scene file.
+//! Another method and step, other initial values, or packed matrices, written into a scene file.
 
 use amontons::Error;
-use amontons::scene::{Method, Preset, Scene, Source, Structure, Superelement};
+use amontons::scene::{
+    Coordinates, Freedom, Method, ModeAt, Network, NodeAt, PACKED, Preset, Scene, Source,
+    Structure, Superelement,
+};
 use serde::Serialize;
-use toml_edit::{ArrayOfTables, DocumentMut, Table};
+use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
 /// Writes another method and step (s) into the scene file; all else stays as it is, comments included.
 ///
@@ -22,11 +25,11 @@ pub fn set_preset(source: &mut Source, preset: Preset) -> Result<(), Error> {
 }
 
 /// Writes the scene's initial values into its file in place of all `[[initial]]`; all else stays as it is, comments
-/// included.
+/// included. The scene then has variables for the initial values of the nodes and modes that the file names.
 ///
 /// # Errors
 /// Returns an error if the file is not TOML.
-pub fn set_initial(source: &mut Source, scene: &Scene) -> Result<(), Error> {
+pub fn set_initial(source: &mut Source, scene: &mut Scene) -> Result<(), Error> {
     let mut document = parsed(source)?;
     let mut tables = ArrayOfTables::new();
     let mut add = |key: &str, of: toml_edit::Value, values: &[(&str, f64)]| {
@@ -65,8 +68,83 @@ pub fn set_initial(source: &mut Source, scene: &Scene) -> Result<(), Error> {
         }
     }
     document.insert("initial", tables.into());
+    if let Structure::Network(network) = &mut scene.structure {
+        network.started = started(network);
+    }
     source.text = document.to_string();
     Ok(())
+}
+
+/// Keys of `[[superelement]]` that say how its matrices are made of files.
+const MATRIX_KEYS: [&str; 11] = [
+    "folder",
+    "stiffness",
+    "mass",
+    "freedoms",
+    "damping",
+    "gyroscopic",
+    "circulatory",
+    "alpha",
+    "beta",
+    "damping_ratio",
+    "units",
+];
+
+/// Names the packed superelements of the source in place of the matrix files from which they were made; all else stays as it is,
+/// comments included.
+///
+/// # Errors
+/// Returns an error if the file is not TOML.
+pub(super) fn pack(source: &mut Source) -> Result<(), Error> {
+    if source.binaries.is_empty() {
+        return Ok(());
+    }
+    let mut document = parsed(source)?;
+    match document.get_mut("superelement") {
+        Some(Item::ArrayOfTables(tables)) => {
+            tables.iter_mut().for_each(|table| name_packed(table));
+        }
+        Some(Item::Value(toml_edit::Value::Array(tables))) => {
+            let tables = tables.iter_mut().filter_map(toml_edit::Value::as_inline_table_mut);
+            tables.for_each(|table| name_packed(table));
+        }
+        _ => {}
+    }
+    source.text = document.to_string();
+    Ok(())
+}
+
+/// Names the packed file in the table of one superelement.
+fn name_packed(table: &mut dyn TableLike) {
+    let name = table.get("name").and_then(Item::as_str).map(str::to_owned);
+    if let Some(name) = name.filter(|_| !table.contains_key("file")) {
+        for key in MATRIX_KEYS {
+            table.remove(key);
+        }
+        table.insert("file", toml_edit::value(format!("{name}.{PACKED}")));
+    }
+}
+
+/// The nodes and modes of a network that do not start at rest in the equilibrium, in the order of [`superelement_initial`].
+fn started(network: &Network) -> Coordinates {
+    let mut started = Coordinates::default();
+    for (superelement, one) in network.superelements.iter().enumerate() {
+        let rows = one.matrices.freedoms().iter().zip(one.displacement.iter().zip(&one.velocity));
+        let rows = rows.map(|(freedom, (place, speed))| (freedom, *place != 0.0 || *speed != 0.0));
+        let modes = rows.clone().filter(|(freedom, _)| freedom.direction == 0).enumerate();
+        let modes = modes.filter(|(_, (_, moves))| *moves);
+        started.modes.extend(modes.map(|(mode, _)| ModeAt { superelement, mode }));
+        let mut nodes: Vec<(u64, bool)> = Vec::new();
+        for (Freedom { node, .. }, moves) in rows.filter(|(freedom, _)| freedom.direction != 0) {
+            match nodes.iter_mut().find(|(known, _)| known == node) {
+                Some((_, known)) => *known |= moves,
+                None => nodes.push((*node, moves)),
+            }
+        }
+        let nodes = nodes.into_iter().filter(|(_, moves)| *moves);
+        started.nodes.extend(nodes.map(|(node, _)| NodeAt { superelement, node }));
+    }
+    started
 }
 
 /// The initial values of a superelement, node by node and mode by mode: key and name of each, and its values.
@@ -108,7 +186,7 @@ fn set_keys<const N: usize>(
     let mut document = parsed(source)?;
     let table = document
         .get_mut("integrator")
-        .and_then(toml_edit::Item::as_table_like_mut)
+        .and_then(Item::as_table_like_mut)
         .ok_or_else(|| Error::scene("[integrator] is missing"))?;
     for key in ["method", "step", "preset", "tolerance"] {
         if keys.iter().all(|(kept, _)| *kept != key) {
@@ -117,7 +195,7 @@ fn set_keys<const N: usize>(
     }
     for (key, mut value) in keys {
         // The text behind the old value is kept behind the new one.
-        let old = table.get(key).and_then(toml_edit::Item::as_value);
+        let old = table.get(key).and_then(Item::as_value);
         if let Some(decor) = old.map(|old| old.decor().clone()) {
             *value.decor_mut() = decor;
         }
@@ -165,6 +243,32 @@ mod tests {
     }
 
     #[test]
+    fn packed_superelements_are_named_in_place_of_the_files_of_matrices() {
+        let binaries = vec![("pad.superelement".to_owned(), Vec::new())];
+        let mut source = Source {
+            text: "# a brake\n[[superelement]]\nname = \"pad\"\nfolder = \"a/b\"\nunits = { mass = 1e3 }\nbeta = 1e-8\n\
+                   [[superelement]]\nname = \"disc\"\nfile = \"d.superelement\"\n# end\n[[mass]]\nname = \"m\"\n"
+                .into(),
+            binaries: binaries.clone(),
+            ..Source::default()
+        };
+        pack(&mut source).unwrap();
+        assert_eq!(
+            source.text,
+            "# a brake\n[[superelement]]\nname = \"pad\"\nfile = \"pad.superelement\"\n\
+             [[superelement]]\nname = \"disc\"\nfile = \"d.superelement\"\n# end\n[[mass]]\nname = \"m\"\n"
+        );
+        let text = "superelement = [{ name = \"pad\", stiffness = \"k\", mass = \"m\" }]\n".into();
+        let mut source = Source { text, binaries, ..Source::default() };
+        pack(&mut source).unwrap();
+        let words: Vec<&str> = source.text.split_whitespace().collect();
+        assert_eq!(
+            words.join(" "),
+            "superelement = [{ name = \"pad\", file = \"pad.superelement\" }]"
+        );
+    }
+
+    #[test]
     fn a_preset_takes_the_place_of_method_and_step_and_gives_it_back() {
         let set1 = builtin("set1").unwrap();
         let mut source = Source::from(set1.text);
@@ -194,7 +298,7 @@ mod tests {
                 }
             }
             let mut source = Source::from(builtin.text);
-            set_initial(&mut source, &scene).unwrap();
+            set_initial(&mut source, &mut scene).unwrap();
             assert_eq!(parse(name, &source.text).unwrap(), scene, "{}", source.text);
             let is_kept = |line: &str| source.text.lines().any(|kept| kept == line);
             let mut others = builtin.text.lines().take_while(|line| !line.contains("[[initial]]"));
@@ -203,7 +307,7 @@ mod tests {
         // However the file writes them.
         let mut source =
             Source::from("initial = [{ module = 1, v2 = 0.5 }]\n[integrator]\nstep = 1e-6\n");
-        set_initial(&mut source, &builtin("set2").unwrap().scene()).unwrap();
+        set_initial(&mut source, &mut builtin("set2").unwrap().scene()).unwrap();
         assert_eq!(source.text.matches("v2 = 0.3").count(), 1, "{}", source.text);
         assert!(!source.text.contains("0.5"), "{}", source.text);
     }

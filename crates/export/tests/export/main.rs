@@ -8,4 +8,5 @@ mod page;
 #[path = "../../../../tests/support/python/mod.rs"]
 mod python;
 mod scene_schema;
+mod superelements;
 mod wrong_scenes;

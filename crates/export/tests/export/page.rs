@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// A wrong scene.
 pub struct Case<'a> {
     pub name: &'a str,
-    /// File names with their contents: the scene, and tables beside it.
+    /// File names with their contents: the scene, and tables and matrices beside it.
     pub files: Vec<(String, &'a str)>,
     /// The message, with file names alone in place of paths.
     pub message: &'a str,
@@ -34,7 +34,8 @@ fn case(section: &str) -> Case<'_> {
             ("toml", scene) => case.files.push((format!("{name}.toml"), scene)),
             ("text", message) => case.message = message,
             (kind, table) => {
-                let file = kind.strip_prefix("csv ").expect("a block of a kind that is known");
+                let file = ["csv ", "mtx "].iter().find_map(|start| kind.strip_prefix(start));
+                let file = file.expect("a block of a kind that is known");
                 case.files.push((file.to_owned(), table));
             }
         }

@@ -17,6 +17,7 @@ class Scene:
     description: str
     text: str
     tables: list[tuple[str, str]]
+    binaries: list[tuple[str, bytes]]
     values: list[tuple[str, float]]
     integrator: tuple[str | None, float | None, str | None]
     contact_count: int

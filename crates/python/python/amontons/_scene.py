@@ -222,6 +222,8 @@ class Scene:
         """
         core = self._core
         state = [core.name, core.text, core.tables, sorted(core.values), core.integrator]
+        if core.binaries:
+            state.append([[name, hashlib.sha256(content).hexdigest()] for name, content in core.binaries])
         return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
     @property
@@ -261,7 +263,8 @@ class Scene:
 
     def __reduce__(self) -> tuple[Any, ...]:
         core = self._core
-        return _restored, (core.name, core.text, core.tables, core.values, core.integrator)
+        files = (core.name, core.text, core.tables, core.values, core.integrator)
+        return _restored, (*files, core.binaries)
 
     def __repr__(self) -> str:
         count, dofs = self._core.contact_count, len(self._core.dof_names)
@@ -635,15 +638,18 @@ def _restored(
     tables: list[tuple[str, str]],
     values: list[tuple[str, float]],
     integrator: tuple[str | None, float | None, str | None],
+    binaries: list[tuple[str, bytes]] | None = None,
 ) -> Scene:
     """The scene of a pickle."""
-    if tables:
+    if tables or binaries:
         import tempfile
         from pathlib import Path
 
         with tempfile.TemporaryDirectory() as folder:
             for file, content in [*tables, (f"{name}.toml", text)]:
                 Path(folder, file).write_text(content, encoding="utf-8", newline="")
+            for file, packed in binaries or []:
+                Path(folder, file).write_bytes(packed)
             core = _core.Scene.read(Path(folder, f"{name}.toml"))
     else:
         core = _core.Scene.from_toml(name, text)

@@ -80,7 +80,8 @@ pub struct Point {
     #[arg(long, value_name = "MU", allow_hyphen_values = true)]
     pub friction: Option<f64>,
     /// Contact state: Sl (slip velocity v − ẋ above 0), R-Sl (below 0), St (sticks) or Dt (detached), one for all
-    /// contacts, or one for each, such as Sl-St [default: all contact states for `states`, uniform sliding for
+    /// contacts, or one for each, such as Sl-St; by names of contacts and sets of contacts with * for all others, such as
+    /// pad=St,*=Sl; or `equilibrium` [default: all contact states of up to 8 contacts for `states`, uniform sliding for
     /// `modes`]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
@@ -92,6 +93,12 @@ pub struct States {
     pub common: SceneArguments,
     #[command(flatten)]
     pub point: Point,
+    /// The contact states that a run went through: a file that `amontons simulate --patterns` has written for this scene
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "state")]
+    pub patterns: Option<PathBuf>,
+    /// Number of the contact states of --patterns that are examined, the longest first
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "patterns")]
+    pub first: usize,
     /// Format of the output
     #[arg(long, value_enum, default_value = "table")]
     pub format: Format,
@@ -108,7 +115,8 @@ pub struct Locus {
     /// Another parameter and its values; with --friction, one locus over µ for each of them
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_steps)]
     pub parameter: Option<(String, Values)>,
-    /// Contact state, one for all contacts (Sl), or one for each (Sl-St) [default: uniform sliding]
+    /// Contact state, one for all contacts (Sl), one for each (Sl-St), by names (pad=St,*=Sl), or `equilibrium` [default:
+    /// uniform sliding]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
     /// Print the points of all branches as CSV instead of the events

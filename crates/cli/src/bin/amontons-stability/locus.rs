@@ -4,10 +4,11 @@ use crate::arguments::Locus as LocusArguments;
 use crate::labels::{LOCATED, at_frequency, significant, turn};
 use crate::{AnalysedScene, Failure, check_effect, configured, state, with};
 use amontons::Error;
-use amontons::contact::{ContactState, JoinedStates};
+use amontons::contact::ContactState;
 use amontons::model::LumpedModel;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
+use amontons_analysis::patterns::in_words;
 use amontons_analysis::stability::Linearised;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
 use amontons_analysis::stability::locus::{Locus, locus};
@@ -201,7 +202,7 @@ impl Family<'_> {
 
     fn print_events(&self, out: &mut dyn Write) -> Result<(), Failure> {
         let [first, .., last] = self.values else { unreachable!("a range has two ends") };
-        let states = JoinedStates(&self.states);
+        let states = in_words(&self.states, &self.given.scene);
         writeln!(
             out,
             "{}: state {states}, {} from {first} to {last}",
@@ -247,7 +248,7 @@ impl Family<'_> {
 
     /// Fig. 2(a) and (b): real and imaginary parts of λ/2π.
     fn chart(&self) -> Chart {
-        let states = JoinedStates(&self.states);
+        let states = in_words(&self.states, &self.given.scene);
         let title = match self.other {
             None => format!("{}: eigenvalues in state {states}", self.given.scene.name),
             Some(other) => {
@@ -277,8 +278,8 @@ fn sliding_values(
                 return Err(Failure::Usage(format!(
                     "uniform sliding is {} at {name} = {from} and {} at {value}: give a range in which no surface \
                      turns, or name a contact state with --state",
-                    JoinedStates(before),
-                    JoinedStates(&states)
+                    in_words(before, scene),
+                    in_words(&states, scene)
                 )));
             }
             Some(_) => {}

@@ -11,13 +11,13 @@ mod modes;
 mod states;
 
 use amontons::Error;
-use amontons::contact::{ContactState, parse_states};
+use amontons::contact::ContactState;
 use amontons::scene::{Scene, Source};
 use amontons::simulation::at_instant;
 use amontons_analysis::assign::assign;
 use amontons_analysis::doubts::doubts_of;
 use amontons_analysis::instant::{require_undriven, signals_left_out};
-use amontons_analysis::stability::Linearised;
+use amontons_analysis::stability::{Linearised, named_states};
 use amontons_analysis::sweep::FRICTION;
 use amontons_analysis::sweep::range::check_once;
 use amontons_cli::exit;
@@ -222,7 +222,7 @@ fn with(scene: &Scene, name: &str, value: f64) -> Result<Scene, Error> {
 /// Returns the contact state that a command analyses: the state named on the command line, or uniform sliding.
 fn state(name: Option<&str>, scene: &Scene, here: &Linearised) -> Result<Vec<ContactState>, Error> {
     match name {
-        Some(name) => parse_states(name, scene.contact_count()),
+        Some(name) => named_states(name, scene, here),
         None => here.uniform_sliding(),
     }
 }

@@ -3,7 +3,7 @@
 use crate::arguments::Modes as ModesArguments;
 use crate::labels::significant;
 use crate::{Failure, configured, friction, state};
-use amontons::contact::JoinedStates;
+use amontons_analysis::patterns::in_words;
 use amontons_analysis::stability::{Linearised, modes};
 use amontons_pictures::picture::{self, ModeShape, ModeShapes};
 use nalgebra::Complex;
@@ -22,7 +22,7 @@ pub fn run(arguments: &ModesArguments, out: &mut dyn Write) -> Result<(), Failur
     let here = Linearised::of(scene);
     let states = state(arguments.point.state.as_deref(), scene, &here)?;
     let found = modes(here.linear()?, &states)?;
-    let state = JoinedStates(&states);
+    let state = in_words(&states, scene);
     let title = format!("{}: state {state}, {}", scene.name, friction(scene));
     writeln!(out, "{title}")?;
     write!(out, "{}", given.head())?;

@@ -4,11 +4,12 @@ use crate::arguments::States;
 use crate::{AnalysedScene, Failure, configured, friction, state};
 use amontons::Error;
 use amontons::contact::{ContactState, JoinedStates};
-use amontons::model::Equilibrium;
+use amontons::model::{Equilibrium, LinearModel};
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
+use amontons_analysis::patterns::{self, Pattern, in_words};
 use amontons_analysis::stability::{
-    Linearised, LinearityLimit, MAX_CONTACTS, StateClasses, linearity_limit, modes,
+    Linearised, LinearityLimit, MAX_CONTACTS, StateClasses, linearity_limit, modes, spectra_of,
 };
 use amontons_analysis::watch::Watch;
 use amontons_cli::arguments::Format;
@@ -27,6 +28,8 @@ struct Row {
     has_equilibrium: bool,
     /// Number of states that symmetry makes equal to this one if it is the first of them; else zero.
     alike: usize,
+    /// The stays of a run in these states; `None` if the states are not those of a run.
+    stays: Option<Pattern>,
 }
 
 /// The results to be printed.
@@ -55,22 +58,49 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
     if let Err(error) = here.equilibrium() {
         eprintln!("note: {error}");
     }
-    let found = spectra(arguments.point.state.as_deref(), scene, &here)?;
-    let resting = here.resting_state();
-    let rows = found.into_iter().map(|(states, spectrum, alike)| Row {
-        has_equilibrium: here.equilibrium().is_ok() && *states == *resting,
-        states,
-        spectrum,
-        alike,
-    });
+    let equilibrium_states = here.equilibrium_states();
+    let has_equilibrium = |states: &[ContactState]| equilibrium_states.as_deref() == Ok(states);
+    let rows: Vec<Row> = match &arguments.patterns {
+        Some(path) => {
+            let mut run = patterns::read(path, scene)?;
+            if run.len() > arguments.first {
+                eprintln!(
+                    "note: the first {} of {} contact states; --first gives another number",
+                    arguments.first,
+                    run.len()
+                );
+                run.truncate(arguments.first);
+            }
+            let model = here.linear()?;
+            let states: Vec<&[ContactState]> = run.iter().map(|it| &*it.visit.states).collect();
+            let spectra = spectra_shown(&states, model)?;
+            let rows = run.into_iter().zip(spectra).map(|(stays, spectrum)| {
+                let states = stays.visit.states.clone();
+                let has_equilibrium = has_equilibrium(&states);
+                Row { has_equilibrium, states, spectrum, alike: 1, stays: Some(stays) }
+            });
+            rows.collect()
+        }
+        None => {
+            let found = spectra(arguments.point.state.as_deref(), scene, &here)?;
+            let rows = found.into_iter().map(|(states, spectrum, alike)| Row {
+                has_equilibrium: has_equilibrium(&states),
+                states,
+                spectrum,
+                alike,
+                stays: None,
+            });
+            rows.collect()
+        }
+    };
     let report = StatesReport {
-        rows: rows.collect(),
+        rows,
         departures: match scene.contact_count() {
             0..=MAX_LEAVING => departures(&here).map_err(|error| error.to_string()),
             _ => Err(format!("they are computed for up to {MAX_LEAVING} contacts")),
         },
         equilibrium: here.equilibrium().cloned(),
-        resting,
+        resting: equilibrium_states.unwrap_or_else(|_| here.resting_state()),
         given,
     };
     match arguments.format {
@@ -89,21 +119,27 @@ fn spectra(
 ) -> Result<Vec<(Vec<ContactState>, Spectrum, usize)>, Error> {
     let model = here.linear()?;
     let contacts = here.model().contacts.len();
-    if name.is_none() && contacts > MAX_CONTACTS {
-        eprintln!(
-            "note: {contacts} contacts: only uniform sliding is examined; name another state with --state"
-        );
-    }
     if name.is_some() || contacts > MAX_CONTACTS {
         let states = state(name, scene, here)?;
-        let spectrum = Spectrum::of(model, &states)?;
-        return Ok(vec![(states, spectrum, 1)]);
+        let mut all = vec![states];
+        if name.is_none() {
+            let equilibrium = here.equilibrium_states().ok();
+            all.extend(equilibrium.filter(|states| *states != all[0]));
+            let also = if all.len() > 1 { " and the equilibrium's state" } else { "" };
+            eprintln!(
+                "note: {contacts} contacts: only uniform sliding{also} is examined; name other states with --state or take those of a run \
+                 with --patterns"
+            );
+        }
+        let spectra = spectra_shown(&all, model)?;
+        return Ok(all
+            .into_iter()
+            .zip(spectra)
+            .map(|(states, found)| (states, found, 1))
+            .collect());
     }
     let classes = StateClasses::of(here.model())?;
-    let bar = Progress::in_parts("the contact states");
-    let spectra =
-        classes.spectra(model, Watch { progress: &|part| bar.set_part(part), ..Watch::IDLE })?;
-    bar.finish();
+    let spectra = spectra_shown(&classes.representatives, model)?;
     eprintln!("{} states, {} solved", classes.states.len(), spectra.len());
     let found = classes.states.iter().map(|(states, class)| {
         let (states, class) = (states.clone(), *class);
@@ -112,6 +148,18 @@ fn spectra(
         (states, spectra[class].clone(), alike)
     });
     Ok(found.collect())
+}
+
+/// The spectrum of each pattern, with progress on the terminal.
+fn spectra_shown(
+    patterns: &[impl AsRef<[ContactState]> + Sync],
+    model: LinearModel<'_>,
+) -> Result<Vec<Spectrum>, Error> {
+    let bar = Progress::in_parts("the contact states");
+    let watch = Watch { progress: &|part| bar.set_part(part), ..Watch::IDLE };
+    let found = spectra_of(patterns, model, watch);
+    bar.finish();
+    found
 }
 
 /// The departure of each mode of uniform sliding: where it makes a contact leave its state, so that the linear model no
@@ -137,14 +185,19 @@ impl StatesReport {
         let states: Map<String, Value> = self
             .rows
             .iter()
-            .map(|Row { states, spectrum, has_equilibrium, .. }| {
+            .map(|Row { states, spectrum, has_equilibrium, stays, .. }| {
                 let oscillating = spectrum.oscillating.iter().map(|v| [v.re / TAU, v.im / TAU]);
-                let value = json!({
+                let mut value = json!({
                     "eigenvalues_hz": oscillating.collect::<Vec<_>>(),
                     "real_hz": spectrum.real.iter().map(|v| v / TAU).collect::<Vec<_>>(),
                     "unstable": spectrum.unstable(),
                     "has_equilibrium": has_equilibrium,
                 });
+                if let Some(Pattern { share, visit }) = stays {
+                    value["share"] = json!(share);
+                    value["time"] = json!(visit.time);
+                    value["entered"] = json!(visit.entered);
+                }
                 (JoinedStates(states).to_string(), value)
             })
             .collect();
@@ -191,15 +244,16 @@ impl StatesReport {
         let (name, friction) = (&self.given.scene.name, friction(&self.given.scene));
         writeln!(out, "{name}: eigenvalues / 2π [Hz] at {friction}; * grows")?;
         writeln!(out, "{}", self.given.head())?;
-        if self.rows.len() == 16 && self.given.scene.network().is_none() {
+        let is_of_run = self.rows.iter().any(|row| row.stays.is_some());
+        if self.rows.len() == 16 && self.given.scene.network().is_none() && !is_of_run {
             print_paper_table(&self.rows, out)?;
         } else {
-            print_list(&self.rows, out)?;
+            print_list(&self.rows, &self.given.scene, out)?;
         }
         if self.equilibrium.is_ok() {
             let is_shown = self.rows.iter().any(|row| row.has_equilibrium);
             let note = if is_shown { "" } else { ", which is not among the states above" };
-            writeln!(out, "Equilibrium: {}{note}\n", JoinedStates(&self.resting))?;
+            writeln!(out, "Equilibrium: {}{note}\n", in_words(&self.resting, &self.given.scene))?;
         }
         self.print_departures(out)
     }
@@ -283,10 +337,14 @@ fn print_paper_table(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
 }
 
 /// Prints the states that symmetry does not make equal to an earlier one.
-fn print_list(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
+fn print_list(rows: &[Row], scene: &Scene, out: &mut dyn Write) -> Result<(), Failure> {
     for row in rows.iter().filter(|row| row.alike > 0) {
         let note = if row.alike > 1 { format!(" ({} alike)", row.alike) } else { String::new() };
-        writeln!(out, "{}{note}", JoinedStates(&row.states))?;
+        let stays = row.stays.as_ref().map_or_else(String::new, |Pattern { share, visit }| {
+            let percent = 100.0 * share;
+            format!(": {percent:.2} % of the time, entered {} times", visit.entered)
+        });
+        writeln!(out, "{}{note}{stays}", in_words(&row.states, scene))?;
         for cell in cells(&row.spectrum) {
             writeln!(out, "  {cell}")?;
         }

@@ -125,6 +125,10 @@ pub struct Simulate {
     /// Path of the CSV file [default: standard output]; with --shard the folder of all workers
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
+    /// Write the contact states that the run goes through, each with its share of the time and how often it was entered,
+    /// the longest first; `amontons-stability states --patterns` gives their eigenvalues
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "sweep")]
+    pub patterns: Option<PathBuf>,
     #[command(flatten)]
     pub shared: ShardArguments,
 }

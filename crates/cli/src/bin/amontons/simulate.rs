@@ -9,7 +9,8 @@ use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Simulation, Variable, broken_assumptions, variables};
 use amontons_analysis::assign::assign;
 use amontons_analysis::inputs::{Inputs, is_close};
-use amontons_analysis::output::{AtomicFile, check_inputs_stay};
+use amontons_analysis::output::{AtomicFile, check_folder, check_inputs_stay};
+use amontons_analysis::patterns;
 use amontons_analysis::sweep::range::check_once;
 use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
@@ -21,7 +22,7 @@ use std::path::Path;
 
 pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
     let (mut scene, source, experiment) = configured(arguments)?;
-    if let Some(output) = &arguments.output {
+    for output in arguments.output.iter().chain(&arguments.patterns) {
         let files = [Some(Path::new(&arguments.scene)), arguments.input.as_deref()];
         check_inputs_stay(output, &files.into_iter().flatten().collect::<Vec<_>>())?;
     }
@@ -43,7 +44,11 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
         }
         inputs.assign(&mut scene, 0.0)?;
     }
-    let simulation = scenes::start(&scene)?;
+    let mut simulation = scenes::start(&scene)?;
+    if let Some(path) = &arguments.patterns {
+        check_folder(path)?;
+        simulation.record_visits()?;
+    }
     if let Some(selected) = simulation.selected() {
         eprintln!("{}: {selected}", scene.name);
         if experiment.stop_time > scene.experiment.stop_time {
@@ -59,6 +64,12 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
     let result = write_output(arguments, &mut run, &scene, experiment);
     for warning in broken_assumptions(&run.simulation) {
         eprintln!("warning: {warning}");
+    }
+    if let (Some(path), Some(log)) = (&arguments.patterns, run.simulation.visits()) {
+        patterns::write(path, &scene, log)?;
+        if let Some(left_out) = patterns::left_out(log) {
+            eprintln!("note: {left_out}");
+        }
     }
     result
 }

@@ -14,7 +14,7 @@ use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::critical_step;
 use amontons_analysis::output::{self, check_folder, check_inputs_stay};
 use amontons_cli::say;
-use amontons_export::documentation::{Subject, counted, documentation, first_forces};
+use amontons_export::documentation::{Subject, counted, documentation, first_forces, size};
 use amontons_export::package::{self, Library};
 use amontons_export::scene;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     let (mut scene, mut source) = scene::find(&arguments.scene)?;
     if let Some(orbit) = &arguments.from {
         orbit::begin(orbit, &mut scene)?;
-        scene::set_initial(&mut source, &scene)?;
+        scene::set_initial(&mut source, &mut scene)?;
     }
     let given = (scene.selection, scene.method, scene.step);
     arguments.integrator.choice().apply(&mut scene)?;
@@ -58,10 +58,13 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     print_contents(&scene, &simulation)?;
     say!("  platform       {}", platforms(&libraries));
     print_equilibrium(&scene, simulation.reference());
-    say!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
+    for (name, bytes) in &source.binaries {
+        say!("  matrices       resources/{name} ({})", size(bytes.len()));
+    }
+    say!("  FMU            {} ({})", path.display(), size(fmu.len()));
     let mut label = "reference";
     for (path, text) in &beside {
-        say!("  {label:13}  {} ({} kB)", path.display(), text.len().div_ceil(1000));
+        say!("  {label:13}  {} ({})", path.display(), size(text.len()));
         label = "";
     }
     if let Some(left_out @ 1..) = check.map(|check| check.left_out) {

@@ -12,6 +12,7 @@ use amontons_analysis::study::{
 use amontons_analysis::sweep::{FRICTION, range};
 use amontons_cli::charts::branches::{chart, kind};
 use amontons_cli::say;
+use amontons_cli::shards::matrices;
 use amontons_export::documentation::counted;
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -160,7 +161,10 @@ fn quasi_static(
         all.map(|(name, value)| (name.clone(), value.clone())).collect()
     };
     let there = study["set"].as_object().cloned().unwrap_or_default();
-    let is_same = study["file"] == source.text && study["tables"] == json!(source.tables);
+    let has_matrices = study.get("matrices").is_some() || !source.binaries.is_empty();
+    let is_same = study["file"] == source.text
+        && study["tables"] == json!(source.tables)
+        && (!has_matrices || study["matrices"] == matrices(source));
     if !is_same || kept(&there) != kept(&here) {
         return Err(wrong(
             "this continuation is of another scene, or of one with other values: make it again with the same scene file \
