@@ -108,7 +108,7 @@ fn a_superelement_in_millimetres_moves_as_that_in_metres() {
 /// Unpacks the resources of an FMU.
 fn resources(fmu: Vec<u8>, folder: &Path) -> String {
     let mut archive = zip::ZipArchive::new(Cursor::new(fmu)).unwrap();
-    let names: Vec<String> = archive.file_names().map(str::to_owned).collect();
+    let names: Vec<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
     for name in names {
         let mut bytes = Vec::new();
         archive.by_name(&name).unwrap().read_to_end(&mut bytes).unwrap();
