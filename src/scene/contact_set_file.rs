@@ -72,19 +72,6 @@ impl ContactSetTable {
             .then(|| Problem::new(path, "needs either `nodes` or `pairs`"))
     }
 
-    /// `true` if a contact of the set takes a value from the table: `[slider]`, or else `[friction]`.
-    pub(super) fn needs(&self, table: &str) -> bool {
-        // Values of pairs are not known before the file is read.
-        let may_have = self.pairs.is_some();
-        match table {
-            "slider" => {
-                let has_axes = self.angle.is_some() || self.normal.is_some() || may_have;
-                !has_axes || !(self.velocity.is_some() || may_have)
-            }
-            _ => !(self.friction.is_some() || may_have),
-        }
-    }
-
     /// Adds the contacts of the set to the network.
     pub(super) fn add_to(
         &self,

@@ -2,11 +2,11 @@
 
 #[cfg(feature = "schema")]
 use super::Rule;
-use super::check::{Owner, with_key};
 use super::contact_set_file::ContactSetTable;
 use super::effects_file::EffectsTable;
 use super::friction_file::FrictionTable;
-use super::initial_file::{self, Initial, Subject};
+use super::homes::{Homes, contact_path, needs};
+use super::initial_file::{self, Initial};
 use super::integrator_file::IntegratorTable;
 use super::load_file::LoadTable;
 use super::names::Names;
@@ -252,9 +252,9 @@ impl SceneTables {
             None => initial_file::apply(&self.initial, &mut structure, &mut names),
             Some(_) => HashMap::new(),
         };
-        let homes = Homes { initial: homes, contacts: self.contact.len(), sets: sets(&structure) };
+        let homes = Homes::of(&structure, homes);
         let mut problems = names.problems;
-        problems.extend(self.missing_tables());
+        problems.extend(self.missing_tables(&structure));
         problems.extend(self.strangers());
         let friction_law =
             self.friction.as_ref().map_or(Law::Coulomb, |table| table.law(&mut problems));
@@ -286,7 +286,7 @@ impl SceneTables {
         };
         self.effects.check(scene.contact_count(), scene.friction_law, &mut problems);
         match broken {
-            None => problems.extend(scene.problems_named(&|part, key| key_of(part, key, &homes))),
+            None => problems.extend(scene.problems_named(&|part, key| homes.key_of(part, key))),
             Some(broken) => problems.extend(broken.into_iter().chain(scene.common_problems())),
         }
         if problems.is_empty() { Ok(scene) } else { Err(problems) }
@@ -335,7 +335,7 @@ impl SceneTables {
     }
 
     /// Reports missing tables that a ring needs, or a contact of a network that has no values of its own.
-    fn missing_tables(&self) -> Vec<Problem> {
+    fn missing_tables(&self, structure: &Structure) -> Vec<Problem> {
         let tables = [
             ("slider", "`angle`, `velocity`", self.slider.is_none()),
             ("friction", "`friction`", self.friction.is_none()),
@@ -349,17 +349,13 @@ impl SceneTables {
                 .collect();
         }
         let mut problems = Vec::new();
-        let contacts = self.contact.iter().enumerate().map(|(i, contact)| {
-            let needs: Box<dyn Fn(&str) -> bool> = Box::new(|table| contact.needs(table));
-            (format!("contact[{}]", i + 1), needs)
-        });
-        let sets = self.contact_set.iter().enumerate().map(|(i, set)| {
-            let needs: Box<dyn Fn(&str) -> bool> = Box::new(|table| set.needs(table));
-            (format!("contact_set[{}]", i + 1), needs)
-        });
-        for (path, needs) in contacts.chain(sets) {
+        let contacts = match structure {
+            Structure::Ring(_) => &[][..],
+            Structure::Network(network) => &network.contacts,
+        };
+        for (i, place) in contacts.iter().enumerate() {
             let (needed, rest): (Vec<_>, _) =
-                missing.into_iter().partition(|(table, ..)| needs(table));
+                missing.into_iter().partition(|(table, ..)| needs(place, table));
             missing = rest;
             if !needed.is_empty() {
                 let names: Vec<String> =
@@ -368,6 +364,7 @@ impl SceneTables {
                 let (names, keys) = (names.join(" and "), keys.join(", "));
                 let message = format!("needs {names}, which the file does not contain");
                 let help = format!("add {names}, or give every contact its own {keys}");
+                let path = contact_path(i, place.set);
                 problems.push(Problem::new(path, message).help(help));
             }
         }
@@ -389,46 +386,4 @@ impl SceneTables {
                 .help("leave it out, or write the whole scene as a network of [[mass]]")
         })
     }
-}
-
-/// The places of values in the file.
-struct Homes {
-    /// The index of the `[[initial]]` of each part.
-    initial: HashMap<Subject, usize>,
-    /// The number of `[[contact]]`; contacts of sets follow.
-    contacts: usize,
-    /// The set of each contact.
-    sets: Vec<Option<usize>>,
-}
-
-fn sets(structure: &Structure) -> Vec<Option<usize>> {
-    match structure {
-        Structure::Ring(_) => Vec::new(),
-        Structure::Network(network) => network.contacts.iter().map(|place| place.set).collect(),
-    }
-}
-
-/// The key of a part's value in the file.
-fn key_of(part: Owner, key: &str, homes: &Homes) -> String {
-    let initial =
-        |subject| format!("initial[{}]", homes.initial.get(&subject).map_or(0, |home| home + 1));
-    let part = match part {
-        Owner::Module(i) => return format!("ring.{key}[{}]", i + 1),
-        Owner::InitialOfModule(owner) | Owner::InitialOfMass(owner) => {
-            initial(Subject::Part(owner))
-        }
-        Owner::InitialOfNode(at) => initial(Subject::Node(at)),
-        Owner::Superelement(i) => format!("superelement[{}]", i + 1),
-        Owner::InitialOfSuperelement(_) => "initial".to_owned(),
-        Owner::ContactSet(i) => format!("contact_set[{}]", i + 1),
-        Owner::Contact(i) if i >= homes.contacts => {
-            let set = homes.sets.get(i).copied().flatten();
-            format!("contact_set[{}]", set.map_or(0, |set| set + 1))
-        }
-        Owner::Mass(i) => format!("mass[{}]", i + 1),
-        Owner::Spring(i) => format!("spring[{}]", i + 1),
-        Owner::Damper(i) => format!("damper[{}]", i + 1),
-        Owner::Contact(i) => format!("contact[{}]", i + 1),
-    };
-    with_key(part, key)
 }

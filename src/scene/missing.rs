@@ -1,7 +1,8 @@
 //! Explanations of variables that other scenes have and this one does not: the reason, and how to add them.
 
+use super::names::has_node;
 use super::roles::{Group, Role};
-use super::{Scene, Spring};
+use super::{Network, Point, Scene, Spring};
 use crate::contact::Law;
 
 /// Explanation why a scene does not have a variable.
@@ -103,6 +104,9 @@ impl Scene {
     fn explain_missing_part(&self, name: &str) -> Option<MissingFeature> {
         let (part, key) = name.rsplit_once('.')?;
         if let Some(network) = self.network() {
+            if let Some(hidden) = hidden_part(network, part) {
+                return Some(hidden);
+            }
             let has_none = |spring: &&Spring| {
                 spring.preload.is_none() && part.strip_prefix("spring.") == Some(&spring.name)
             };
@@ -129,4 +133,27 @@ impl Scene {
             _ => None,
         }
     }
+}
+
+/// Explains the absence of a contact or a node that the FMU does not show.
+fn hidden_part(network: &Network, part: &str) -> Option<MissingFeature> {
+    let (list, name, what) = if let Some(name) = part.strip_prefix("contact.") {
+        let contact = network.contacts.iter().find(|contact| contact.name == name)?;
+        ("contacts", contact.name.clone(), format!("contact {name}"))
+    } else {
+        let (superelement, node) = part.strip_prefix("superelement.")?.split_once(".node[")?;
+        let node: u64 = node.strip_suffix(']')?.parse().ok()?;
+        let one = network.superelements.iter().find(|one| one.name == superelement)?;
+        let what = format!("node {node} of superelement {superelement}");
+        has_node(one, node).then(|| ("nodes", format!("{superelement}.{node}"), what))?
+    };
+    let is_shown = match list {
+        "contacts" => network.contacts.iter().any(|one| one.name == name && one.is_shown),
+        _ => network.shown.nodes.iter().any(|at| network.point_name(Point::Node(*at)) == name),
+    };
+    if is_shown {
+        return None;
+    }
+    let help = format!("name \"{name}\" in `{list}` of its [outputs]");
+    MissingFeature::new(format!("the scene does not show {what}"), help)
 }

@@ -4,7 +4,7 @@
 //!
 //! | file | contents |
 //! | --- | --- |
-//! | `file`, `initial_file` | the file as a whole; its initial values |
+//! | `file`, `homes`, `initial_file` | the file as a whole; places in it; its initial values |
 //! | `friction_file` | the law of friction in a file |
 //! | `effects`, `effects_file`, `effects_check` | effects that are simulated besides masses and springs; that part of
 //! a file |
@@ -12,7 +12,7 @@
 //! | `roles`, `missing` | role of a value: input or parameter; explanations of features that a scene does not use |
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
 //! | `network`, `network_check`, `network_file`, `names` | masses, springs, dampers and contacts by name |
-//! | `superelement`, `superelement_check`, `superelement_file` | structures as matrices, and their packed form |
+//! | `superelement`, `superelement_check`, `superelement_file`, `packed` | structures as matrices, and their packed form |
 //! | `contact_set_file`, `load_file`, `outputs_file`, `node_table` | contacts, loads and outputs by node; CSV files of nodes |
 //! | `signal`, `signal_file`, `time_table` | values over time that drive inputs |
 //! | `source` | the files a scene is made from |
@@ -29,6 +29,7 @@ mod effects_check;
 mod effects_file;
 mod file;
 mod friction_file;
+mod homes;
 mod initial_file;
 mod integrator_file;
 mod keys;
@@ -41,6 +42,7 @@ mod network_check;
 mod network_file;
 mod node_table;
 mod outputs_file;
+mod packed;
 mod per_module;
 mod problem;
 mod ring;

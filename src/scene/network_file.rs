@@ -145,19 +145,6 @@ pub(super) struct ContactTable {
     static_friction: Option<f64>,
 }
 
-impl ContactTable {
-    /// `true` if the contact takes a value from the table: `[slider]`, or else `[friction]`.
-    pub(super) fn needs(&self, table: &str) -> bool {
-        match table {
-            "slider" => {
-                let has_axes = self.angle.is_some() || self.normal.is_some();
-                !has_axes || self.velocity.is_none()
-            }
-            _ => self.friction.is_none(),
-        }
-    }
-}
-
 /// Initial displacement and velocity of one mass along its axes, relative to the equilibrium.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -373,7 +373,7 @@ fn pads_that_bind_at_a_friction_of_seven_obey_the_law() {
     for (spring, stiffness) in network.springs.iter_mut().zip(stiffness.iter().cycle()) {
         spring.stiffness = *stiffness;
         if spring.name.ends_with("strut") {
-            spring.direction = -0.238545754358139;
+            spring.direction = amontons::scene::Line::Angle(-0.238545754358139);
         }
     }
     let [mass, load] = [

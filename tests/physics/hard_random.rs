@@ -5,8 +5,8 @@
 use crate::judge::{LetOff, METHODS, Run, off};
 use amontons::model::LumpedModel;
 use amontons::scene::{
-    BUILTIN, ContactDefinition, Damper, Mass, Method, Module, Network, Ramp, Scene, Shape, Signal,
-    Spring, Structure, builtin,
+    BUILTIN, ContactDefinition, Damper, Line, Mass, Method, Module, Network, Point, Ramp, Scene,
+    Shape, Signal, Spring, Structure, builtin,
 };
 use amontons::simulation::Simulation;
 use amontons::stability::critical_step;
@@ -200,7 +200,7 @@ fn any_pads_on_a_disc_obey_the_law_at_any_friction() {
         for (i, spring) in network.springs.iter_mut().enumerate() {
             spring.stiffness = stiffness[i % 6];
             if spring.name.ends_with("strut") {
-                spring.direction = oblique;
+                spring.direction = Line::Angle(oblique);
             }
         }
         for (i, part) in network.masses.iter_mut().enumerate() {
@@ -280,9 +280,9 @@ fn network(parts: &[Part]) -> Network {
         for (place, (other, (stiffness, angle))) in held.chain(links).enumerate() {
             network.springs.push(Spring {
                 name: format!("s{i}_{place}"),
-                between: [Some(i), other],
+                between: [Some(i), other].map(|end| end.map(Point::Mass)),
                 // Two that are not along one line hold a mass.
-                direction: angle + if place == 1 { 1.6 } else { 0.0 },
+                direction: Line::Angle(angle + if place == 1 { 1.6 } else { 0.0 }),
                 stiffness,
                 preload: None,
             });
@@ -290,19 +290,23 @@ fn network(parts: &[Part]) -> Network {
         if part.damped > 0.0 {
             network.dampers.push(Damper {
                 name: format!("d{i}"),
-                between: [Some(i), before],
-                direction: part.tangent,
+                between: [Some(i), before].map(|end| end.map(Point::Mass)),
+                direction: Line::Angle(part.tangent),
                 damping: part.damped,
             });
         }
         network.contacts.push(ContactDefinition {
             name: format!("c{i}"),
-            mass: i,
-            on: before.filter(|_| part.on_mass),
+            set: None,
+            mass: Point::Mass(i),
+            on: before.filter(|_| part.on_mass).map(Point::Mass),
             angle: Some(part.tangent),
+            axes: None,
+            gap: 0.0,
             velocity: None,
             friction: None,
             static_friction: None,
+            is_shown: true,
         });
     }
     network

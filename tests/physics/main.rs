@@ -19,6 +19,7 @@ mod network;
 mod quadratic;
 mod signals;
 mod static_friction;
+mod superelements;
 mod tables;
 #[path = "../support/trajectory.rs"]
 mod trajectory;

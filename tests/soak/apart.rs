@@ -20,7 +20,7 @@ fn normal(contact: &ContactDefinition, slider: f64) -> [f64; 2] {
 /// The bodies of a contact with the signs that they have in its gap.
 fn bodies(contact: &ContactDefinition) -> impl Iterator<Item = (usize, f64)> {
     [Some(contact.mass), contact.on].into_iter().zip([1.0, -1.0]).filter_map(|(body, sign)| {
-        let body = body?;
+        let body = body?.mass()?;
         Some((body, sign))
     })
 }

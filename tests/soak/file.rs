@@ -1,7 +1,7 @@
 //! A scene as the text of a scene file.
 
 use amontons::scene::{
-    Between, Network, Pulse, Ramp, Role, Scene, Shape, Signal, Sine, Structure, Table,
+    Between, Line, Network, Point, Pulse, Ramp, Role, Scene, Shape, Signal, Sine, Structure, Table,
 };
 use std::fmt::Write;
 
@@ -101,9 +101,14 @@ fn initial(owner: &str, values: impl Iterator<Item = (String, f64)>) -> Option<S
     is_there.then_some(text)
 }
 
+/// The angle of a direction, all of which have one here.
+fn angle(line: Line) -> f64 {
+    line.angle().expect("directions are angles here")
+}
+
 fn network(network: &Network) -> Vec<String> {
-    let name = |mass: usize| network.masses[mass].name.clone();
-    let ends = |ends: [Option<usize>; 2]| {
+    let name = |point: Point| network.point_name(point);
+    let ends = |ends: [Option<Point>; 2]| {
         let [a, b] = ends.map(|end| end.map_or("ground".to_owned(), name));
         format!("between = [{a:?}, {b:?}]")
     };
@@ -120,14 +125,14 @@ fn network(network: &Network) -> Vec<String> {
     for spring in &network.springs {
         lines.push(format!("[[spring]]\nname = {:?}", spring.name));
         lines.push(ends(spring.between));
-        lines.push(number("direction", spring.direction));
+        lines.push(number("direction", angle(spring.direction)));
         lines.push(number("stiffness", spring.stiffness));
         lines.extend(some("preload", spring.preload));
     }
     for damper in &network.dampers {
         lines.push(format!("[[damper]]\nname = {:?}", damper.name));
         lines.push(ends(damper.between));
-        lines.push(number("direction", damper.direction));
+        lines.push(number("direction", angle(damper.direction)));
         lines.push(number("damping", damper.damping));
     }
     for place in &network.contacts {

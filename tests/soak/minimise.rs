@@ -3,7 +3,7 @@
 use crate::case::{Case, Plan};
 use crate::outcome::{Outcome, run};
 use amontons::contact::Law;
-use amontons::scene::{Effects, Scene, Structure};
+use amontons::scene::{Effects, Point, Scene, Structure};
 use std::time::{Duration, Instant};
 
 /// Making a case smaller ends after this time.
@@ -153,11 +153,15 @@ fn remove_mass(network: &mut amontons::scene::Network, place: usize) {
         return;
     }
     network.masses.remove(place);
-    let keeps = |ends: &[Option<usize>]| !ends.contains(&Some(place));
+    let keeps = |ends: &[Option<Point>]| !ends.contains(&Some(Point::Mass(place)));
     network.springs.retain(|spring| keeps(&spring.between));
     network.dampers.retain(|damper| keeps(&damper.between));
     network.contacts.retain(|contact| keeps(&[Some(contact.mass), contact.on]));
-    let moved = |end: &mut usize| *end -= usize::from(*end > place);
+    let moved = |end: &mut Point| {
+        if let Point::Mass(mass) = end {
+            *mass -= usize::from(*mass > place);
+        }
+    };
     network.springs.iter_mut().flat_map(|s| s.between.iter_mut().flatten()).for_each(moved);
     network.dampers.iter_mut().flat_map(|d| d.between.iter_mut().flatten()).for_each(moved);
     for contact in &mut network.contacts {

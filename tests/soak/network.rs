@@ -5,7 +5,7 @@ use crate::random::Random;
 use crate::ring::{Initial, Sizes};
 use amontons::contact::Law;
 use amontons::scene::{
-    ContactDefinition, Damper, Mass, Network, Scene, Spring, Structure, direction,
+    ContactDefinition, Damper, Line, Mass, Network, Point, Scene, Spring, Structure, direction,
 };
 use std::f64::consts::FRAC_PI_2;
 
@@ -147,12 +147,16 @@ fn add_contact(
         .then(|| friction.unwrap_or(scene.friction_coefficient) * random.between(1.0, 3.0));
     network.contacts.push(ContactDefinition {
         name: format!("c{}", network.contacts.len()),
-        mass,
-        on,
+        set: None,
+        mass: Point::Mass(mass),
+        on: on.map(Point::Mass),
         angle,
+        axes: None,
+        gap: 0.0,
         velocity,
         friction,
         static_friction,
+        is_shown: true,
     });
 }
 
@@ -184,8 +188,9 @@ fn hold(random: &mut Random, network: &mut Network, style: &Style, mass: usize, 
         let other = random.sometimes(0.5, |random| random.whole(0, mass));
         network.dampers.push(Damper {
             name: format!("d{}", network.dampers.len()),
-            between: [Some(mass), other.filter(|other| *other != mass)],
-            direction: random.between(-1.5, 1.5),
+            between: [Some(mass), other.filter(|other| *other != mass)]
+                .map(|end| end.map(Point::Mass)),
+            direction: Line::Angle(random.between(-1.5, 1.5)),
             damping: (lightest * softest).sqrt() * random.wide(1e-3, 1.0),
         });
     }
@@ -205,8 +210,9 @@ fn add_spring(
     });
     network.springs.push(Spring {
         name: format!("s{}", network.springs.len()),
-        between: [Some(mass), (other < network.masses.len()).then_some(other)],
-        direction: angle,
+        between: [Some(mass), (other < network.masses.len()).then_some(other)]
+            .map(|end| end.map(Point::Mass)),
+        direction: Line::Angle(angle),
         stiffness,
         preload: preload.flatten(),
     });

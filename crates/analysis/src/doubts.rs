@@ -367,4 +367,41 @@ mod tests {
         network.contacts.push(shoe);
         assert_eq!(parted(&drum), None);
     }
+
+    /// One node along x, with this mass (kg) and this stiffness (N/m) against the ground.
+    fn lump(name: &str, mass: f64, stiffness: f64) -> Superelement {
+        let freedoms = vec![amontons::scene::Freedom { node: 1, direction: 1 }];
+        let matrices = amontons::scene::SuperelementMatrices::new(
+            freedoms,
+            vec![mass],
+            vec![stiffness],
+            Vec::new(),
+        );
+        Superelement::new(name, matrices.unwrap())
+    }
+
+    #[test]
+    fn superelements_in_tonnes_and_newtons_by_millimetre_are_doubtful() {
+        let doubts = |superelements: Vec<Superelement>| {
+            let mut scene = builtin("disc_brake").unwrap().scene();
+            let Structure::Network(network) = &mut scene.structure else { panic!("a network") };
+            network.superelements = superelements;
+            of(scene)
+        };
+        assert_eq!(doubts(vec![lump("pad", 0.4, 1e8), lump("disc", 6.0, 1e9)]), [""; 0]);
+        assert_eq!(doubts(vec![lump("clip", 0.02, 1e6), lump("disc", 6.0, 1e9)]), [""; 0]);
+        let light = doubts(vec![lump("pad", 0.4e-3, 1e5), lump("disc", 6.0, 1e9)]);
+        assert_eq!(light.len(), 1, "{light:?}");
+        assert!(light[0].starts_with("superelement pad has 1/15000 of the mass"), "{light:?}");
+        assert!(light[0].ends_with("write `units = \"N-mm-t-s\"`"), "{light:?}");
+        let alone = doubts(vec![lump("pad", 0.4e-3, 1e5)]);
+        assert!(alone[0].starts_with("superelement pad has a mass of 4.000e-4 kg"), "{alone:?}");
+        let mut pushed = lump("pad", 0.4, 1e5);
+        pushed.load[0] = 3e3;
+        let far = doubts(vec![pushed]);
+        assert!(
+            far[0].starts_with("the load moves node 1 of superelement pad by 0.030 m"),
+            "{far:?}"
+        );
+    }
 }

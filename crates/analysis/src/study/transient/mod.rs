@@ -243,10 +243,7 @@ fn observed(scene: &Scene, output: &str) -> Option<Observed> {
 
 /// The contacts as the FMU names them.
 fn contact_names(scene: &Scene) -> Vec<String> {
-    let states = variables(scene)
-        .into_iter()
-        .filter(|variable| variable.template.quantity == Quantity::ContactState);
-    states.map(|variable| variable.name.trim_end_matches(".state").to_owned()).collect()
+    (0..scene.contact_count()).map(|contact| scene.contact_name(contact)).collect()
 }
 
 /// Says which effects act in the run and are not in the eigenvalues beside its findings.

@@ -5,7 +5,7 @@
 //! first order at changes of contact state, so every comparison halves the step to know its error.
 
 use amontons::contact::Law;
-use amontons::scene::{Network, Scene, Shape, Signal, Structure};
+use amontons::scene::{Line, Network, Point, Scene, Shape, Signal, Structure};
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// The state of a contact, which the program abbreviates.
@@ -151,8 +151,10 @@ impl Oracle {
                 all.start[1][place] = mass.velocity[axis];
             }
         }
-        let between = |ends: [Option<usize>; 2], angle: f64| {
-            rows.of(ends[0], unit(angle)) - rows.of(ends[1], unit(angle))
+        let mass = |end: Option<Point>| end.and_then(Point::mass);
+        let between = |ends: [Option<Point>; 2], line: Line| {
+            let along = unit(line.angle().expect("directions are angles here"));
+            rows.of(mass(ends[0]), along) - rows.of(mass(ends[1]), along)
         };
         for spring in &network.springs {
             let row = between(spring.between, spring.direction);
@@ -165,7 +167,8 @@ impl Oracle {
         }
         for (i, contact) in network.contacts.iter().enumerate() {
             let [c, s] = unit(contact.angle.unwrap_or(scene.slider.angle));
-            let relative = |along| rows.of(Some(contact.mass), along) - rows.of(contact.on, along);
+            let relative =
+                |along| rows.of(contact.mass.mass(), along) - rows.of(mass(contact.on), along);
             all.normal.set_column(i, &relative([-s, c]));
             all.tangent.set_column(i, &relative([c, s]));
             all.velocity[i] = contact.velocity.unwrap_or(scene.slider.velocity);
