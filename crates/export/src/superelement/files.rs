@@ -124,8 +124,9 @@ fn name_all(
                 .help("leave out `freedoms`"));
         }
         (None, Some(Read { name, .. })) => {
-            let message = format!("is missing, and {name} does not name the nodes of its rows");
-            return Err(Problem::new("freedoms", message).help(
+            let message =
+                format!("needs `freedoms`, since {name} does not name the nodes of its rows");
+            return Err(Problem::new("", message).help(
                 "give a CSV file with the columns node,direction and one line for each row",
             ));
         }

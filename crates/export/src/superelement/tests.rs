@@ -221,7 +221,7 @@ fn files_that_are_wrong_are_named_with_the_remedy() {
         ),
         (
             SuperelementFiles { freedoms: None, ..single.clone() },
-            "freedoms: is missing, and stiffness.mtx does not name",
+            ": needs `freedoms`, since stiffness.mtx does not name",
         ),
         (
             SuperelementFiles { freedoms: some("one.csv"), ..single.clone() },

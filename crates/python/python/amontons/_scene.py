@@ -383,7 +383,8 @@ class Scene:
         ----------
         state : str, optional
             A contact state: ``"Sl"``, ``"R-Sl"``, ``"St"`` or ``"Dt"`` for all contacts, or one for each, as
-            ``"Sl-St"``; by default uniform sliding.
+            ``"Sl-St"``; by names of contacts and sets of contacts, as ``"pad=St,*=Sl"``; or ``"equilibrium"``. By default
+            uniform sliding.
         friction : float, optional
             Another value of ``friction.coefficient``.
         at : float

@@ -342,7 +342,8 @@ fn print_list(rows: &[Row], scene: &Scene, out: &mut dyn Write) -> Result<(), Fa
         let note = if row.alike > 1 { format!(" ({} alike)", row.alike) } else { String::new() };
         let stays = row.stays.as_ref().map_or_else(String::new, |Pattern { share, visit }| {
             let percent = 100.0 * share;
-            format!(": {percent:.2} % of the time, entered {} times", visit.entered)
+            let stays = if visit.entered == 1 { "stay" } else { "stays" };
+            format!(": {percent:.2} % of the time in {} {stays}", visit.entered)
         });
         writeln!(out, "{}{note}{stays}", in_words(&row.states, scene))?;
         for cell in cells(&row.spectrum) {
