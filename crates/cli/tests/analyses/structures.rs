@@ -159,7 +159,7 @@ fn modes_on_a_mesh_are_those_of_the_superelement() {
     fs::write(folder.path().join("other.inp"), others).unwrap();
     let rest = ["-o", "other", "--mesh", "other.inp", "--vtk", "modes"];
     let output = reduce(folder.path(), &[&nodes[..], &rest].concat());
-    assert_refused(&output, 1, &["other.inp", "the matrices have node 4", "from 1 to 3"]);
+    assert_refused(&output, 2, &["other.inp", "the matrices have node 4", "from 1 to 3"]);
     assert!(!folder.path().join("other").exists());
 }
 

@@ -42,7 +42,7 @@ pub struct Mesh {
 pub struct Cell {
     /// The form of the cell.
     pub shape: Shape,
-    /// Its nodes, as positions in [`Mesh::nodes`], in the order of Abaqus, which is that of VTK too.
+    /// Its nodes, as positions in [`Mesh::nodes`], in the order of Abaqus.
     pub nodes: Vec<usize>,
 }
 

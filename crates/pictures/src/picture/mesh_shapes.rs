@@ -17,11 +17,14 @@ const NAME: f64 = 26.0;
 const SCALE: f64 = 56.0;
 /// The largest motion is drawn as long as this part of the extent of the mesh.
 const DEFORMED: f64 = 0.07;
-/// Each face is drawn as this many by this many flat patches.
-const PATCHES: usize = 4;
+/// Each face is drawn as at least this many by this many flat patches, and as more where there are few faces.
+const FEWEST: usize = 4;
+const MOST: usize = 12;
+/// The number of patches of a mesh of few faces.
+const PATCHES: usize = 8000;
 /// Modes in a row.
 const ACROSS: usize = 3;
-/// Direction to the eye, of which x is to the lower left, y to the lower right and z up.
+/// Direction to the eye: in the picture x goes to the lower right, y to the upper right and z up.
 const EYE: [f64; 3] = [0.5, -0.62, 0.605];
 /// Direction to the light.
 const LIGHT: [f64; 3] = [0.1, -0.45, 0.89];
@@ -176,6 +179,7 @@ impl<'a> Layout<'a> {
                 centre[1] - self.zoom * (up - self.middle[1]),
             ]
         };
+        let fine = (PATCHES / self.shapes.faces.len()).isqrt().clamp(FEWEST, MOST);
         let mut patches = Vec::new();
         for face in &self.shapes.faces {
             let corners: Vec<[f64; 3]> = face.iter().map(|&node| place(node)).collect();
@@ -184,7 +188,7 @@ impl<'a> Layout<'a> {
             let last = corners.len() - 1;
             let normal = cross(minus(corners[1], corners[0]), minus(corners[last], corners[0]));
             let light = dot(normal, LIGHT).abs() * unit(dot(normal, normal).sqrt());
-            split(&corners, &parts, |corners, part, edges| {
+            split(fine, &corners, &parts, |corners, part, edges| {
                 let depth =
                     corners.iter().map(|&at| dot(at, EYE)).sum::<f64>() / corners.len() as f64;
                 patches.push(Patch {
@@ -226,10 +230,14 @@ impl View {
     }
 }
 
-/// Cuts a face into patches, and hands each with its mean amplitude and which of its sides are sides of the face.
+/// Cuts a face into `n` by `n` patches, and hands each with its mean amplitude and which of its sides are sides of the face.
 #[allow(clippy::cast_precision_loss)]
-fn split(corners: &[[f64; 3]], parts: &[f64], mut take: impl FnMut(&[[f64; 3]], f64, &[bool])) {
-    let n = PATCHES;
+fn split(
+    n: usize,
+    corners: &[[f64; 3]],
+    parts: &[f64],
+    mut take: impl FnMut(&[[f64; 3]], f64, &[bool]),
+) {
     // A triangle is a quadrilateral whose last two corners are one: only its lines towards that corner meet.
     let at = |corner: usize| corner.min(corners.len() - 1);
     let blend = |i: usize, j: usize| {
@@ -364,7 +372,7 @@ mod tests {
         };
         let layout = Layout::of(&shapes).unwrap();
         let patches = layout.patches(&shapes.modes[0], [0.0, 0.0]);
-        assert_eq!(patches.len(), 2 * PATCHES * PATCHES);
+        assert_eq!(patches.len(), 2 * MOST * MOST);
         // The upper face hides the part of the lower one behind it.
         assert!(patches.is_sorted_by(|a, b| a.depth <= b.depth));
         assert!(patches.last().unwrap().corners[0][1] < patches[0].corners[0][1] + layout.cell[1]);
