@@ -118,7 +118,7 @@ impl Run {
     pub fn of(simulation: Simulation) -> Self {
         let scene = simulation.nominal().scene();
         let method = scene.method;
-        let model = LumpedModel::from(&scene);
+        let mut model = LumpedModel::from(&scene);
         let (n, contacts) = (model.dofs(), model.contacts.len());
         let all = variables(&scene);
         let of = |quantity| -> Vec<Variable> {
@@ -173,6 +173,7 @@ impl Run {
             let terms = contact.gap + normal.abs().dot(&place.abs()) + scales.length;
             assert!((contact.gap + normal.dot(&place) - apart[i]).abs() <= 1e-6 * terms);
         }
+        model.count_from(reference);
         let variables = [by_dof(Quantity::Displacement), by_dof(Quantity::Velocity)];
         let zero = || [DVector::zeros(n), DVector::zeros(n)];
         let mut run = Self {
