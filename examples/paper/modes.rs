@@ -6,8 +6,7 @@ use super::scene;
 use amontons::Error;
 use amontons::model::LumpedModel;
 use amontons::scene::Scene;
-use amontons_analysis::stability::candidates::uniform_sliding;
-use amontons_analysis::stability::{Mode, modes};
+use amontons_analysis::stability::{Linearised, Mode, modes};
 use amontons_pictures::report::{Cell, Claim, Table};
 
 /// Frequencies in Fig. 2(c), Hz.
@@ -38,9 +37,8 @@ pub fn found() -> Result<Found, Error> {
 /// The real modes without friction and damping.
 fn real_modes(name: &str) -> Result<(Scene, Vec<Mode>), Error> {
     let (scene, _) = scene(name, &[("damping.beta", 0.0)])?;
-    let model = LumpedModel::from(&scene).with_friction(0.0);
-    let states = uniform_sliding(&model)?;
-    let modes = modes(model.linear()?, &states)?.all().cloned().collect();
+    let here = Linearised::from(LumpedModel::from(&scene).with_friction(0.0));
+    let modes = modes(here.linear()?, &here.uniform_sliding()?)?.all().cloned().collect();
     Ok((scene, modes))
 }
 

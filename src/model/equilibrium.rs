@@ -2,16 +2,17 @@
 
 use super::banded::{self, Singular};
 use super::closing::{Condensed, Others, Unheld};
+use super::missing::mechanism;
 use super::{Contact, Entry, LumpedModel, ring};
 use crate::Error;
 use crate::contact::ContactState;
-use crate::numerics::bisect;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
 /// A closed contact pulls, or an open one is inside its surface, from this part of the largest force or of the terms of
 /// its gap on.
 const COARSE: f64 = 1e-9;
+/// Largest number of degrees of freedom of which full matrices are made.
+const MOST_DENSE: usize = 800;
 /// A gap below this part of its terms is the rounding of zero.
 const FINE: f64 = 1e-12;
 
@@ -97,6 +98,12 @@ impl LumpedModel {
         slopes: &[f64],
         name: &dyn Fn(usize) -> String,
     ) -> Result<Equilibrium, Error> {
+        if self.dofs() > MOST_DENSE {
+            let found = self.solve(slopes, &self.load);
+            return self
+                .equilibrium_by_turns(slopes)
+                .ok_or_else(|| self.explain_pulling(slopes, &found, name));
+        }
         let condensed = Condensed::new(self);
         let problem = condensed.with_friction(slopes).map_err(|Unheld| mechanism())?;
         match problem.closed() {
@@ -111,6 +118,24 @@ impl LumpedModel {
             }
             None => Err(self.explain_jamming(&condensed, slopes, name)),
         }
+    }
+
+    /// The equilibrium in which some contacts are open, by opening those that pull and closing those that are inside
+    /// their surfaces, in turn, on sparse matrices; `None` where this does not end.
+    fn equilibrium_by_turns(&self, slopes: &[f64]) -> Option<Equilibrium> {
+        const MOST_TURNS: usize = 100;
+        let mut closed = vec![true; self.contacts.len()];
+        for _ in 0..MOST_TURNS {
+            if let Some(found) = self.with_closed(&closed, slopes).ok()? {
+                return Some(found);
+            }
+            let found =
+                self.solve_closed(&closed, slopes, &self.load, |contact| contact.gap).ok()?;
+            for (i, closed) in closed.iter_mut().enumerate() {
+                *closed = if *closed { found.normal_force[i] >= 0.0 } else { found.gap[i] < 0.0 };
+            }
+        }
+        None
     }
 
     /// The equilibrium with these contacts closed; `None` where one of them pulls, or an open one is inside its surface,
@@ -143,14 +168,24 @@ impl LumpedModel {
     /// What is known of other equilibria than this one, in which other contacts are closed. Contacts that can open are
     /// examined; the others have one equilibrium.
     ///
-    /// Without friction there is one. With friction there is one if it is weak enough (the symmetric part of the matrix
+    /// Without friction there is one if K is symmetric. With friction there is one if it is weak enough (the symmetric part of the matrix
     /// of the complementarity problem is positive definite). Of up to ten contacts all patterns are tried, of more
     /// some.
     #[must_use]
     pub fn uniqueness(&self, found: &Equilibrium) -> Uniqueness {
         let slopes: Vec<f64> = self.sliding_ratios().collect();
-        if !self.law.detachment || self.contacts.is_empty() {
+        // Without friction the energy of the springs has one least value.
+        let has_energy = || {
+            let k = &self.stiffness;
+            slopes.iter().all(|slope| *slope == 0.0)
+                && k.entries()
+                    .all(|(i, j, value)| (k.get(j, i) - value).abs() <= FINE * value.abs())
+        };
+        if !self.law.detachment || self.contacts.is_empty() || has_energy() {
             return Uniqueness::One;
+        }
+        if self.dofs() > MOST_DENSE {
+            return Uniqueness::Unknown;
         }
         let Ok(problem) = Condensed::new(self).with_friction(&slopes) else {
             return Uniqueness::Unknown;
@@ -200,7 +235,7 @@ impl LumpedModel {
 
     /// Solves for the equilibrium with all contacts closed and sliding, with the signed friction coefficients `slopes`
     /// = T/N, under this load, N.
-    fn solve(&self, slopes: &[f64], load: &[f64]) -> Result<Equilibrium, Singular> {
+    pub(super) fn solve(&self, slopes: &[f64], load: &[f64]) -> Result<Equilibrium, Singular> {
         self.solve_closed(&vec![true; self.contacts.len()], slopes, load, |contact| contact.gap)
     }
 
@@ -242,149 +277,6 @@ impl LumpedModel {
         let gap = gap.collect();
         Ok(Equilibrium { displacement, normal_force, friction_force, gap })
     }
-
-    /// Explains why no contacts that can open carry the load at these µ. Looks for the largest part of them at which
-    /// some do: where the equilibrium is lost, a normal force that grows without bound is jamming.
-    fn explain_jamming(
-        &self,
-        condensed: &Condensed,
-        slopes: &[f64],
-        name: &dyn Fn(usize) -> String,
-    ) -> Error {
-        let exists = |part: f64| {
-            let part: Vec<f64> = slopes.iter().map(|slope| part * slope).collect();
-            let problem = condensed.with_friction(&part).ok()?;
-            problem.forces(&problem.closed()?)
-        };
-        let Some(Lost { last, start, part }) = lost(exists) else {
-            return Error::equilibrium(
-                "no equilibrium in sliding: the load pulls the structure off its contacts, and springs do not hold it in all \
-                 its motions; press it on by a preload or a force, or hold it by a spring",
-            );
-        };
-        let limit = Limit::of(slopes, jammed(&last, &start).unwrap_or(0), part);
-        match jammed(&last, &start) {
-            Some(contact) => limit.jams(&name(contact)),
-            None => Error::equilibrium(format!(
-                "no equilibrium in sliding with {limit}: none is found from {:.6} on, where a contact opens or closes; \
-                 lower the coefficient, or press the contacts on",
-                limit.value
-            )),
-        }
-    }
-
-    /// Explains why contacts that cannot open have no equilibrium in which none pulls at these µ. Looks for the largest
-    /// part of them that has one: where the equilibrium is lost, a normal force that falls to zero is a contact that
-    /// would open, one that grows without bound is jamming.
-    fn explain_pulling(
-        &self,
-        slopes: &[f64],
-        found: &Result<Equilibrium, Singular>,
-        name: &dyn Fn(usize) -> String,
-    ) -> Error {
-        let solve = |part: f64| {
-            let part: Vec<f64> = slopes.iter().map(|slope| part * slope).collect();
-            self.solve(&part, &self.load)
-        };
-        if solve(0.0).is_err() {
-            return mechanism();
-        }
-        let exists = |part: f64| {
-            let found = solve(part).ok().filter(|found| found.pulled_contact().is_none())?;
-            Some(found.normal_force)
-        };
-        let Some(Lost { last, start, part }) = lost(exists) else {
-            let pulled = found.as_ref().ok().and_then(Equilibrium::pulled_contact);
-            let (contact, force) = pulled.unwrap_or((0, 0.0));
-            return Error::equilibrium(format!(
-                "no equilibrium in sliding: {} opens under the load \
-                 (it would have to pull with {:.4} N); press it on by a preload or a force",
-                name(contact),
-                -force
-            ));
-        };
-        let jams = jammed(&last, &start);
-        let lightest = last.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-        let contact = jams.or(lightest.map(|(contact, _)| contact)).unwrap_or(0);
-        let (limit, name) = (Limit::of(slopes, contact, part), name(contact));
-        match jams {
-            Some(_) => limit.jams(&name),
-            None => Error::equilibrium(format!(
-                "no equilibrium in sliding with {limit}: friction lifts {name} off from {:.6} on; press it on, or lower the \
-                 coefficient",
-                limit.value
-            )),
-        }
-    }
-}
-
-/// The error of a structure that neither springs nor contacts hold, or that contacts hold twice.
-fn mechanism() -> Error {
-    Error::equilibrium(
-        "no equilibrium: the structure can move without straining a spring, or its contacts \
-         are redundant; restrain every motion by a stiffness above zero, and only once",
-    )
-}
-
-/// Normal forces beside the place where an equilibrium is lost as friction grows.
-struct Lost {
-    /// The largest part of the friction coefficients with an equilibrium.
-    part: f64,
-    /// Forces there.
-    last: Vec<f64>,
-    /// Forces below.
-    start: Vec<f64>,
-}
-
-/// Looks for the largest part of the friction coefficients, below all of them, at which there are normal forces; `None`
-/// if there are none at any.
-fn lost(exists: impl Fn(f64) -> Option<Vec<f64>>) -> Option<Lost> {
-    const GRID: u32 = 256;
-    let mut below = (0..GRID).rev().map(|i| f64::from(i) / f64::from(GRID));
-    let (known, start) = below.find_map(|part| Some((part, exists(part)?)))?;
-    let [part, _] = bisect(known, 1.0, |part| exists(part).is_some());
-    let last = exists(part).unwrap_or_else(|| start.clone());
-    Some(Lost { part, last, start })
-}
-
-/// The contact whose normal force grows without bound where an equilibrium is lost.
-fn jammed(last: &[f64], start: &[f64]) -> Option<usize> {
-    let grown = last.iter().zip(start).map(|(last, start)| last / start).enumerate();
-    let grown = grown.max_by(|a, b| a.1.total_cmp(&b.1));
-    grown.filter(|&(_, growth)| growth > 1e6).map(|(contact, _)| contact)
-}
-
-/// A friction coefficient that is too large, and its limit.
-struct Limit {
-    friction: f64,
-    /// The largest possible coefficient.
-    value: f64,
-    /// Contacts of different µ share a limit only where they keep their proportions.
-    differ: bool,
-}
-
-impl Limit {
-    fn of(slopes: &[f64], contact: usize, part: f64) -> Self {
-        let friction = slopes.get(contact).map_or(0.0, |slope| slope.abs());
-        let differ = slopes.iter().any(|slope| slope.abs() != friction);
-        Self { friction, value: part * friction, differ }
-    }
-
-    fn jams(&self, name: &str) -> Error {
-        Error::equilibrium(format!(
-            "no equilibrium in sliding with {self}: {name} jams \
-             from {:.6} on, where friction draws it into the slider; \
-             lower the coefficient or turn slider.angle",
-            self.value
-        ))
-    }
-}
-
-impl fmt::Display for Limit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let common = if self.differ { " (and the others in proportion)" } else { "" };
-        write!(f, "a friction coefficient of {}{common}", self.friction)
-    }
 }
 
 /// What is known of the number of equilibria in uniform sliding.
@@ -420,140 +312,11 @@ impl Equilibrium {
     }
 
     /// The first contact that would have to pull, with its normal force.
-    fn pulled_contact(&self) -> Option<(usize, f64)> {
+    pub(super) fn pulled_contact(&self) -> Option<(usize, f64)> {
         let mut normal = self.normal_force.iter().copied().enumerate();
         normal.find(|&(_, force)| force.is_nan() || force < 0.0)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::{Contact, Direction, SparseMatrix};
-    use crate::scene::{Scene, builtin};
-
-    fn number(contact: usize) -> String {
-        format!("contact[{}]", contact + 1)
-    }
-
-    fn set1() -> Scene {
-        builtin("set1").unwrap().scene()
-    }
-
-    fn equilibrium(scene: &Scene) -> Result<Equilibrium, Error> {
-        crate::assembly::equilibrium(scene, &LumpedModel::from(scene))
-    }
-
-    #[test]
-    fn forces_balance_and_contacts_are_closed() {
-        let mut scene = set1();
-        scene.modules_mut()[1].preload *= 1.3;
-        let model = LumpedModel::from(&scene);
-        let found = equilibrium(&scene).unwrap();
-        let mut contact = vec![0.0; model.dofs()];
-        for (i, c) in model.contacts.iter().enumerate() {
-            assert!(found.normal_force[i] > 0.0);
-            assert_eq!(found.friction_force[i], 1.96 * found.normal_force[i]);
-            c.normal.add_to(&mut contact, found.normal_force[i]);
-            c.tangent.add_to(&mut contact, found.friction_force[i]);
-        }
-        for (dof, contact) in contact.iter().enumerate() {
-            let residual =
-                model.load[dof] + contact - model.stiffness.row_times(dof, &found.displacement);
-            assert!(residual.abs() < 1e-9, "{dof}: {residual}");
-        }
-        for module in 0..2 {
-            assert!(found.displacement[4 * module + 3].abs() < 1e-16);
-        }
-    }
-
-    #[test]
-    fn one_module_solved_for_all_is_the_equilibrium_of_the_whole() {
-        let scene = set1();
-        let whole = LumpedModel::from(&scene).sliding_equilibrium(&number).unwrap();
-        let one = equilibrium(&scene).unwrap();
-        for (a, b) in whole.normal_force.iter().zip(&one.normal_force) {
-            assert!((a - b).abs() < 1e-12 * b.abs());
-        }
-    }
-
-    #[test]
-    fn the_sign_of_the_velocity_turns_friction() {
-        let mut scene = set1();
-        scene.slider.velocity = -0.025;
-        assert!(equilibrium(&scene).unwrap().friction_force[0] < 0.0);
-        scene.slider.velocity = 0.0;
-        assert_eq!(equilibrium(&scene).unwrap().friction_force[0], 0.0);
-    }
-
-    /// A mass with K = [[a, b], [b, c]] in (x_t, x_n), pushed down by P: N (a − µ b) = P a for
-    /// x_n = 0, so it jams from µ = a/b on if b > 0.
-    fn wedge(friction: f64, surface_velocity: f64) -> LumpedModel {
-        let contact = Contact {
-            friction: friction.into(),
-            surface_velocity,
-            ..Contact::new(Direction::unit(1), Direction::unit(0))
-        };
-        LumpedModel {
-            mass: SparseMatrix::diagonal(&[1.0, 1.0]),
-            stiffness: SparseMatrix::from_entries(
-                2,
-                vec![(0, 0, 4.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 2.0)],
-            ),
-            damping: super::super::Damping::default(),
-            dampers: SparseMatrix::zero(2),
-            load: vec![0.0, -3.0],
-            contacts: vec![contact],
-            law: crate::contact::ContactLaw::default(),
-        }
-    }
-
-    #[test]
-    fn normal_force_follows_the_closed_form_up_to_jamming() {
-        for mu in [0.0, 1.0, 3.9] {
-            let normal = wedge(mu, 1.0).sliding_equilibrium(&number).unwrap().normal_force[0];
-            assert!((normal - 3.0 * 4.0 / (4.0 - mu)).abs() < 1e-12 * normal);
-        }
-    }
-
-    #[test]
-    fn jamming_is_told_with_the_coefficient_from_which_on_it_happens() {
-        let message = wedge(5.0, 1.0).sliding_equilibrium(&number).unwrap_err().to_string();
-        assert!(message.contains("contact[1] jams from 4.000000 on"), "{message}");
-        // Pulled the other way the same wedge opens itself: it never jams.
-        assert!(wedge(5.0, -1.0).sliding_equilibrium(&number).is_ok());
-    }
-
-    #[test]
-    fn a_contact_that_the_load_opens_is_named() {
-        let mut scene = set1();
-        scene.modules_mut()[1].preload = -5e-3;
-        let message = equilibrium(&scene).unwrap_err().to_string();
-        assert!(message.contains("contact[2] opens under the load"), "{message}");
-    }
-
-    #[test]
-    fn a_contact_that_only_friction_presses_on_is_an_equilibrium() {
-        // Without friction the load would open contact 2; with it the slider's drag closes it.
-        let mut scene = set1();
-        scene.slider.angle = -0.5;
-        scene.modules_mut()[1].preload = -2e-3;
-        scene.friction_coefficient = 0.0;
-        let message = equilibrium(&scene).unwrap_err().to_string();
-        assert!(message.contains("contact[2] opens under the load"), "{message}");
-        scene.friction_coefficient = 1.96;
-        assert!(equilibrium(&scene).unwrap().normal_force[1] > 10.0);
-    }
-
-    #[test]
-    fn a_mechanism_is_told_apart() {
-        let mut scene = set1();
-        for module in scene.modules_mut() {
-            module.stiffness[3] = 0.0;
-            module.stiffness[5] = 0.0;
-            module.stiffness[0] = 0.0;
-        }
-        let message = equilibrium(&scene).unwrap_err().to_string();
-        assert!(message.contains("without straining a spring"), "{message}");
-    }
-}
+mod tests;

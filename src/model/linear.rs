@@ -151,9 +151,10 @@ impl<'a> LinearModel<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Friction, Law};
+    use crate::contact::{ContactLaw, ContactState, Friction, Law};
+    use crate::model::{Damping, SparseMatrix};
     use crate::scene::builtin;
-    use crate::stability::critical_step;
+    use crate::stability::{Spectrum, critical_step};
 
     fn set1() -> LumpedModel {
         LumpedModel::from(&builtin("set1").unwrap().scene())
@@ -213,5 +214,48 @@ mod tests {
         let part = 0.4 * f64::exp(-1.0);
         assert!((found.coefficient - (0.2 + part)).abs() < 1e-15);
         assert!((found.damping + 3.0 * part / 0.025).abs() < 1e-12);
+    }
+
+    /// A mass m on springs k along the sliding and across it, pressed on with P; friction across the sliding direction is
+    /// the damping µ P/v of the transverse mode alone.
+    #[test]
+    fn friction_across_the_sliding_direction_damps_the_transverse_mode_alone() {
+        let (m, k, pressed, mu, v) = (2.0, 800.0, 30.0, 0.4, 0.5);
+        let contact = Contact {
+            transverse: Some(Direction::unit(1)),
+            friction: mu.into(),
+            surface_velocity: -v,
+            ..Contact::new(Direction::unit(2), Direction::unit(0))
+        };
+        let mut model = LumpedModel {
+            mass: SparseMatrix::diagonal(&[m; 3]),
+            stiffness: SparseMatrix::diagonal(&[2.0 * k, k, k]),
+            damping: Damping::default(),
+            dampers: SparseMatrix::zero(3),
+            load: vec![0.0, 0.0, -pressed],
+            contacts: vec![contact],
+            law: ContactLaw::default(),
+        };
+        assert!(model.needs_equilibrium() && model.linear().unwrap_err().is_equilibrium());
+        let found = model.equilibrium(&|_| "c".to_owned()).unwrap();
+        let spectrum =
+            |states: &[ContactState]| Spectrum::of(model.linear_about(&found), states).unwrap();
+        let rate = -0.5 * mu * pressed / v / m;
+        for state in [ContactState::Slide, ContactState::ReverseSlide] {
+            let [across, along] = spectrum(&[state]).oscillating[..] else { panic!() };
+            assert!((across.re - rate).abs() < 1e-9, "{across}");
+            assert!((across.im - (k / m - rate * rate).sqrt()).abs() < 1e-9, "{across}");
+            assert!(along.re.abs() < 1e-9 && (along.im - (2.0 * k / m).sqrt()).abs() < 1e-9);
+        }
+        // A contact that sticks or is open has no such damping.
+        for state in [ContactState::Stick, ContactState::Detached] {
+            let all = spectrum(&[state]).oscillating;
+            assert!(all.iter().all(|lambda| lambda.re.abs() < 1e-9), "{all:?}");
+        }
+        // The motion has none, and its critical step does not change.
+        let with = critical_step(&model).unwrap();
+        model.contacts[0].transverse = None;
+        assert_eq!(critical_step(&model).unwrap(), with);
+        assert!(!model.needs_equilibrium());
     }
 }

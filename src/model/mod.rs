@@ -6,6 +6,7 @@ mod banded;
 mod closing;
 mod equilibrium;
 mod linear;
+mod missing;
 mod reduced;
 pub mod ring;
 mod sparse;

@@ -66,10 +66,9 @@ pub(super) fn check_outside(
     let Some(i) = model.contacts.iter().position(inside) else { return Ok(()) };
     let contact = &model.contacts[i];
     Err(Error::scene(format!(
-        "{} starts inside its surface, with a gap of {} m: the equilibrium has a gap of {} m, and the initial displacement \
-         adds {} m; the sum must be ≥ 0",
+        "{} starts inside its surface: the equilibrium has a gap of {} m, and the initial displacement adds {} m; the sum \
+         must be ≥ 0",
         scene.contact_name(i),
-        Short(gap(contact, &motion.displacement)),
         Short(contact.gap),
         Short(contact.normal.dot(&motion.displacement))
     )))

@@ -187,7 +187,7 @@ impl Work {
         let h = run.h();
         let acting = run.acting(run.time());
         self.damping += 0.5 * h * (old.1 + new.1);
-        let is_open = |i: usize, place: &DVector<f64>| directions(run, i)[0].dot(place) > GAP;
+        let is_open = |i: usize, place: &DVector<f64>| run.gap(i, place) > GAP;
         let lands = |i: usize| is_open(i, &run.before[0]) && !is_open(i, &run.now[0]);
         for (i, (a, b)) in old.0.iter().zip(&new.0).enumerate().filter(|(i, _)| !lands(*i)) {
             self.slider +=
@@ -220,7 +220,7 @@ impl Work {
             let is_closed = |i: &usize| {
                 let [normal, _] = directions(run, *i);
                 let speed = change.after[1].amax();
-                normal.dot(&change.after[0]) <= GAP && normal.dot(&change.after[1]) > -1e-9 * speed
+                run.gap(*i, &change.after[0]) <= GAP && normal.dot(&change.after[1]) > -1e-9 * speed
             };
             let closed: Vec<usize> = (0..run.model.contacts.len()).filter(is_closed).collect();
             self.add_impact(run, &closed, &change.before[1], &acting);

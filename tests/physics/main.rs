@@ -5,6 +5,7 @@ mod disc;
 mod effects_scenes;
 mod energy_ledger;
 mod full_mass_matrix;
+mod gaps;
 mod hard_contact;
 mod hard_energy;
 mod hard_friction;

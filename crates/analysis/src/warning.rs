@@ -2,7 +2,7 @@
 
 use crate::doubts::doubts;
 use amontons::error::Short;
-use amontons::model::LumpedModel;
+use amontons::model::{LumpedModel, Uniqueness};
 use amontons::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
 use amontons::simulation::Simulation;
 use amontons::simulation::catalogue::{Quantity, variables};
@@ -36,7 +36,7 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     ))
 }
 
-/// All warnings: the step, contacts without load, signals that the step cannot follow, values that look like those of
+/// All warnings: the step, contacts without load or that the load opens, other equilibria, signals that the step cannot follow, values that look like those of
 /// another unit.
 #[must_use]
 pub fn warnings(simulation: &Simulation) -> Vec<String> {
@@ -51,6 +51,7 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
     let steps = step_at_start_warnings(scene);
     step.chain(tolerance)
         .chain(load_warnings(simulation))
+        .chain(equilibrium_warnings(simulation))
         .chain(doubts(simulation))
         .chain(direction)
         .chain(signals)
@@ -127,7 +128,49 @@ fn step_at_start_warnings(scene: &Scene) -> Vec<String> {
     scene.signals.iter().enumerate().filter_map(of).collect()
 }
 
-/// Contacts that nothing presses on in the equilibrium, by name: their load may have been forgotten.
+/// Contacts that the load opens, and other equilibria.
+fn equilibrium_warnings(simulation: &Simulation) -> Vec<String> {
+    let (scene, here) = (simulation.scene(), simulation.reference());
+    let unloaded = LumpedModel::from(scene);
+    let opened =
+        (0..here.gap.len()).filter(|i| here.gap[*i] > 0.0 && unloaded.contacts[*i].gap == 0.0);
+    let mut warnings: Vec<String> = opened
+        .map(|i| {
+            format!(
+                "the load opens {} in the equilibrium, by {} m; press it on by a preload or a force, unless this is meant",
+                scene.contact_name(i),
+                Short(here.gap[i])
+            )
+        })
+        .collect();
+    match unloaded.uniqueness(here) {
+        Uniqueness::One => {}
+        Uniqueness::Unknown => {
+            if here.gap.iter().any(|gap| *gap > 0.0) {
+                warnings.push(
+                    "whether the equilibrium is the only one is unknown: friction may let other contacts close or open"
+                        .to_owned(),
+                );
+            }
+        }
+        Uniqueness::Several(other) => {
+            let differ: Vec<String> = (0..here.gap.len())
+                .filter(|i| here.is_closed(*i) != other.is_closed(*i))
+                .map(|i| {
+                    let is = if here.is_closed(i) { "open" } else { "closed" };
+                    format!("{} {is}", scene.contact_name(i))
+                })
+                .collect();
+            warnings.push(format!(
+                "friction allows a second equilibrium, with {}; a run begins in the first, and lower friction leaves one",
+                differ.join(", ")
+            ));
+        }
+    }
+    warnings
+}
+
+/// Closed contacts that nothing presses on in the equilibrium, by name: their load may have been forgotten.
 fn load_warnings(simulation: &Simulation) -> Vec<String> {
     let scene = simulation.scene();
     if scene.network().is_none() && !scene.effects.preload {
@@ -137,8 +180,9 @@ fn load_warnings(simulation: &Simulation) -> Vec<String> {
                 .to_owned(),
         ];
     }
-    let forces = simulation.reference().normal_force.iter().enumerate();
-    let idle = forces.filter(|(_, force)| **force == 0.0);
+    let here = simulation.reference();
+    let forces = here.normal_force.iter().enumerate();
+    let idle = forces.filter(|(i, force)| **force == 0.0 && here.is_closed(*i));
     let warning = |(i, _)| {
         format!(
             "{} carries no load in the equilibrium; load it by a preload or a force",
@@ -179,6 +223,44 @@ mod tests {
         network.masses[0].load = [0.0; 2];
         let warnings = warnings(&Simulation::new(scene, 0.0).unwrap());
         assert!(warnings.len() == 1 && warnings[0].contains("contact.belt"), "{warnings:?}");
+    }
+
+    #[test]
+    fn a_contact_that_the_load_opens_stands_out_and_a_stop_with_a_gap_does_not() {
+        let mut scene = builtin("belt").unwrap().scene();
+        let Structure::Network(network) = &mut scene.structure else { panic!("it is a network") };
+        network.masses[0].load = [0.0, 3.0];
+        network.springs.push(amontons::scene::Spring {
+            name: "across".into(),
+            between: [Some(0), None],
+            direction: std::f64::consts::FRAC_PI_2,
+            stiffness: 1e4,
+            preload: None,
+        });
+        let here = warnings(&Simulation::new(scene.clone(), 0.0).unwrap());
+        let said = "the load opens contact.belt in the equilibrium, by 0.0003 m";
+        assert!(here.len() == 1 && here[0].starts_with(said), "{here:?}");
+        let Structure::Network(network) = &mut scene.structure else { panic!("it is a network") };
+        network.contacts[0].gap = 1e-3;
+        assert!(warnings(&Simulation::new(scene, 0.0).unwrap()).is_empty());
+    }
+
+    /// Beyond µ = 4 a wedge holds itself against a load that lifts it, and may also be open.
+    #[test]
+    fn a_second_equilibrium_stands_out() {
+        let text = "[slider]\nvelocity = 1.0\nangle = 0.0\n[friction]\ncoefficient = 9.0\n\
+                    [integrator]\nmethod = \"event-driven\"\nstep = 1e-4\n\
+                    [[mass]]\nname = \"m\"\nmass = 1.0\nforce = [0.0, 3.0]\n\
+                    [[spring]]\nname = \"a\"\nbetween = [\"m\", \"ground\"]\ndirection = 0.7853981633974483\n\
+                    stiffness = 2e3\n\
+                    [[spring]]\nname = \"x\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = 3e3\n\
+                    [[contact]]\nname = \"c\"\nmass = \"m\"\n";
+        // K = [[4, 1], [1, 1]] kN/m: N (4 − µ) = −12 N.
+        let simulation = Simulation::new(parse("wedge", text).unwrap(), 0.0).unwrap();
+        assert!((simulation.reference().normal_force[0] - 2.4).abs() < 1e-9);
+        let here = warnings(&simulation);
+        let said = "friction allows a second equilibrium, with contact.c open";
+        assert!(here.iter().any(|warning| warning.starts_with(said)), "{here:?}");
     }
 
     #[test]

@@ -226,7 +226,7 @@ pub fn candidates<'py>(
     Ok(result)
 }
 
-/// The equilibrium in uniform sliding: displacements (m), normal and friction forces (N).
+/// The equilibrium in uniform sliding: displacements (m), normal and friction forces (N), gaps (m).
 #[pyfunction]
 #[pyo3(signature = (scene, at=0.0))]
 pub fn equilibrium<'py>(
@@ -236,7 +236,7 @@ pub fn equilibrium<'py>(
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let found =
         py.detach(|| linearised(scene, None, at)?.equilibrium().cloned()).map_err(raised)?;
-    let parts = [found.displacement, found.normal_force, found.friction_force];
+    let parts = [found.displacement, found.normal_force, found.friction_force, found.gap];
     parts.into_iter().map(|values| reals(py, values.into_iter())).collect()
 }
 

@@ -150,8 +150,7 @@ impl ContactProblem {
                 _ => weights[0] * free[contact][0] + weights[1] * free[contact][1],
             };
             entries.push(constant);
-            for column in 0..size {
-                let (other, kind) = parts[column];
+            for &(other, kind) in &*parts {
                 let w = delassus.block(contact, other);
                 let by = unit((other, kind));
                 let mut entry = weights[0] * (w[0] * by[0] + w[1] * by[1])

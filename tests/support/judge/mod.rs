@@ -63,6 +63,8 @@ pub struct Run {
     damping: DMatrix<f64>,
     /// Gᵀ: normal and tangent of each contact, by columns.
     directions: DMatrix<f64>,
+    /// The gap of each contact in the equilibrium, m.
+    apart: Vec<f64>,
     /// The forces (N, T) that fit a sum of contact forces, where those of all contacts follow from it.
     fit: Option<DMatrix<f64>>,
     signals: Vec<(Variable, Signal)>,
@@ -116,7 +118,7 @@ impl Run {
     pub fn of(simulation: Simulation) -> Self {
         let scene = simulation.nominal().scene();
         let method = scene.method;
-        let model = LumpedModel::from(&scene);
+        let mut model = LumpedModel::from(&scene);
         let (n, contacts) = (model.dofs(), model.contacts.len());
         let all = variables(&scene);
         let of = |quantity| -> Vec<Variable> {
@@ -140,6 +142,7 @@ impl Run {
                 direction.0.iter().for_each(|&(dof, value)| directions[(dof, column)] = value);
             }
         }
+        let apart = simulation.reference().gap.clone();
         let determined = contacts > 0 && singular::rank(&directions, 1e-9) == 2 * contacts;
         let fit = determined.then(|| singular::pseudo_inverse(&directions, 1e-9));
         let signals = scene.signals.iter().map(|signal| {
@@ -163,6 +166,14 @@ impl Run {
             velocity = velocity.max(force / (springs * lightest).sqrt());
         }
         let scales = Scales { length: force / springs, velocity, force };
+        // The unloaded position and the displacement to the equilibrium give the same gaps.
+        let place = DVector::from_column_slice(&reference.displacement);
+        for (i, contact) in model.contacts.iter().enumerate() {
+            let normal = directions.column(2 * i);
+            let terms = contact.gap + normal.abs().dot(&place.abs()) + scales.length;
+            assert!((contact.gap + normal.dot(&place) - apart[i]).abs() <= 1e-6 * terms);
+        }
+        model.count_from(reference);
         let variables = [by_dof(Quantity::Displacement), by_dof(Quantity::Velocity)];
         let zero = || [DVector::zeros(n), DVector::zeros(n)];
         let mut run = Self {
@@ -188,6 +199,7 @@ impl Run {
             stiffness,
             damping,
             directions,
+            apart,
             fit,
             signals,
             numbering: scene.network().map_or_else(Numbering::default, Numbering::of),
@@ -434,7 +446,12 @@ impl Run {
         let [x, v] = &self.now;
         let normal = self.directions.column(2 * contact);
         let tangent = self.directions.column(2 * contact + 1);
-        [normal.dot(x), normal.dot(v), slider_velocity - tangent.dot(v)]
+        [self.gap(contact, x), normal.dot(v), slider_velocity - tangent.dot(v)]
+    }
+
+    /// The gap of a contact at these displacements from the equilibrium, m.
+    pub fn gap(&self, contact: usize, displacement: &DVector<f64>) -> f64 {
+        self.apart[contact] + self.directions.column(2 * contact).dot(displacement)
     }
 
     fn law(&self, surface: f64, instant: &Instant, friction: Friction) -> Violation {
@@ -443,23 +460,19 @@ impl Run {
 
     /// Was a contact open, by more than rounding, when the last step began?
     fn was_open(&self, contact: usize) -> bool {
-        let gap = self.directions.column(2 * contact).dot(&self.before[0]);
-        gap > 1e-12 * self.scales.length
+        self.gap(contact, &self.before[0]) > 1e-12 * self.scales.length
     }
 
     /// The opening velocity of a contact (m/s) at the end of a step of the scheme, which has the mean velocity over the way to the
     /// surface in the step that a contact lands in.
     fn without_landing(&self, contact: usize, opening: f64) -> f64 {
-        let gap_before = self.directions.column(2 * contact).dot(&self.before[0]);
+        let gap_before = self.gap(contact, &self.before[0]);
         if self.was_open(contact) { 0.0 } else { opening + gap_before.max(0.0) / self.h() }
     }
 
     /// Did a contact land in the last step?
     pub fn has_landed(&self) -> bool {
-        let is_open = |contact: usize| {
-            let gap = self.directions.column(2 * contact).dot(&self.now[0]);
-            gap > 1e-12 * self.scales.length
-        };
+        let is_open = |contact: usize| self.gap(contact, &self.now[0]) > 1e-12 * self.scales.length;
         (0..self.model.contacts.len()).any(|i| self.was_open(i) && !is_open(i))
     }
 

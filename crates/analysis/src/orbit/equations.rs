@@ -216,7 +216,11 @@ impl Flow {
         let n = self.dofs();
         let Contact { normal, tangent, .. } = &self.model.contacts[contact];
         Some(match event {
-            Event::Touch => self.spread(normal, 0, 1.0),
+            Event::Touch => {
+                let mut row = self.spread(normal, 0, 1.0);
+                row[2 * n] += self.model.contacts[contact].gap;
+                row
+            }
             Event::Stop => self.surface_row(contact) + self.spread(tangent, n, -1.0),
             Event::Lift => field.forces[contact][0].clone(),
             Event::Slip(state) => {
@@ -341,6 +345,7 @@ impl Flow {
             let contact = &self.model.contacts[i];
             if let Some(dof) = contact.normal.as_unit() {
                 map.row_mut(dof).fill(0.0);
+                map[(dof, 2 * n)] = 0.0 - contact.gap;
                 map.row_mut(n + dof).fill(0.0);
             }
             if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
@@ -418,6 +423,21 @@ impl Flow {
             self.integrator.respond(held, load, &mut response)?;
             for (dof, place) in response.acceleration.iter().enumerate() {
                 map[(dof, column)] = *place;
+            }
+        }
+        // The map leaves a place with closed gaps as it is. Contacts with gaps lie along degrees of freedom
+        // ([`check_gaps`](super::flow::check_gaps)), which hold such a place.
+        let mut place = DVector::zeros(size);
+        for (contact, state) in self.model.contacts.iter().zip(closed) {
+            if let (Some(dof), true) = (contact.normal.as_unit(), *state != ContactState::Detached)
+            {
+                place[dof] = 0.0 - contact.gap;
+            }
+        }
+        if place.amax() > 0.0 {
+            let off = &place - times(&map, &place);
+            for (dof, off) in off.iter().enumerate().take(n) {
+                map[(dof, 2 * n)] = *off;
             }
         }
         Ok(map)

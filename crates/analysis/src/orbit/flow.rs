@@ -13,7 +13,7 @@ use amontons::contact::{ContactState, Friction};
 use amontons::integrator::{
     Event, EventDriven, EventRecord, EventRecorder, Inputs, Integrator, Motion, StepFailure, Wave,
 };
-use amontons::model::LumpedModel;
+use amontons::model::{Contact, LumpedModel};
 use amontons::numerics::max_norm;
 use amontons::scene::{Method, Scene, Shape, Signal, Sine};
 use amontons::simulation::Simulation;
@@ -104,6 +104,7 @@ impl Flow {
         let scene = simulation.scene();
         check_method(scene)?;
         check_signals(scene, simulation.time())?;
+        check_gaps(simulation)?;
         let step = scene.step;
         let time = simulation.time();
         let is_over = |signal: &Signal| matches!(signal.shape, Shape::Sine(Sine { end: Some(end), .. }) if end <= time);
@@ -298,6 +299,24 @@ impl Flow {
         self.fields.insert(states.to_vec(), Rc::clone(&field));
         Ok(field)
     }
+}
+
+/// Refuses contacts that are open in the equilibrium where a normal lies along several degrees of freedom.
+///
+/// # Errors
+/// Returns an error that names the contact.
+pub fn check_gaps(simulation: &Simulation) -> Result<(), Error> {
+    let contacts = &simulation.model().contacts;
+    let is_aslant = |contact: &Contact| contact.normal.as_unit().is_none();
+    let Some(open) = contacts.iter().position(|contact| contact.gap != 0.0) else { return Ok(()) };
+    if !contacts.iter().any(is_aslant) {
+        return Ok(());
+    }
+    Err(Error::analysis(format!(
+        "{} is open in the equilibrium: orbits with such contacts are found only where the normal of each contact lies along \
+         one axis of one mass; let the mass have the axes of its contact, or press the contact on",
+        simulation.scene().contact_name(open)
+    )))
 }
 
 /// Refuses a scene that is not in event-driven motion.

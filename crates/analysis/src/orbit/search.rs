@@ -323,9 +323,10 @@ fn clear_rounding(flow: &Flow, motion: &mut Motion) {
     let least = ROUNDING * max_norm(&motion.displacement);
     for (contact, state) in flow.model.contacts.iter().zip(&motion.contacts) {
         // A gap between masses is a difference, whose rounding a run expects.
-        let &[(dof, _)] = contact.normal.0.as_slice() else { continue };
-        if motion.displacement[dof].abs() <= least {
-            motion.displacement[dof] = 0.0;
+        let &[(dof, part)] = contact.normal.0.as_slice() else { continue };
+        let closed = 0.0 - contact.gap / part;
+        if (motion.displacement[dof] - closed).abs() <= least {
+            motion.displacement[dof] = closed;
             if *state != ContactState::Detached {
                 motion.velocity[dof] = 0.0;
             }

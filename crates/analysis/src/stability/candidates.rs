@@ -19,8 +19,11 @@ use amontons::scene::Scene;
 pub struct Bistability {
     /// The range that was analysed: the range that was asked for, up to the static friction.
     pub range: [f64; 2],
-    /// Ranges of µ in which there is an equilibrium in uniform sliding.
+    /// Ranges of µ in which there is an equilibrium in uniform sliding, in the same contact state as at the first value.
     pub equilibrium: Vec<[f64; 2]>,
+    /// The least µ of those looked at with an equilibrium in another contact state, and that state: other contacts are
+    /// closed there, and the analysis leaves it out.
+    pub other: Option<(f64, Vec<ContactState>)>,
     /// Values of µ at which modes of uniform sliding begin or cease to grow in the ranges, by µ.
     pub uniform: Vec<Crossing>,
     /// Ranges of µ in which there is an equilibrium that no mode leaves.
@@ -53,41 +56,11 @@ pub struct Candidate {
     pub reach: Option<StateEnergy>,
 }
 
-/// The one state in which a model can be at rest in its own frame: each contact slides by the sign of
-/// its velocity, the slider's or its own, and sticks where that is zero.
+/// The one state in which a model with all contacts closed can be at rest in its own frame: each contact slides by the
+/// sign of its velocity, the slider's or its own, and sticks where that is zero.
 #[must_use]
-pub fn resting_state(model: &LumpedModel) -> Vec<ContactState> {
-    let state = |contact: &Contact| match contact.surface_velocity {
-        v if v > 0.0 => ContactState::Slide,
-        v if v < 0.0 => ContactState::ReverseSlide,
-        _ => ContactState::Stick,
-    };
-    model.contacts.iter().map(state).collect()
-}
-
-/// The state of uniform sliding: the resting state, where that has every contact sliding.
-///
-/// # Errors
-/// Returns an error if a surface stands still.
-pub fn uniform_sliding(model: &LumpedModel) -> Result<Vec<ContactState>, Error> {
-    let states = resting_state(model);
-    let Some(stuck) = states.iter().position(|state| *state == ContactState::Stick) else {
-        return Ok(states);
-    };
-    let all_stand = model.contacts.iter().all(|contact| contact.surface_velocity == 0.0);
-    let problem = if all_stand {
-        "no surface moves, so no contact slides: give slider.velocity, or the velocity of a contact, a value other than zero"
-            .to_owned()
-    } else {
-        format!(
-            "the surface under contact {} stands still, so the contact does not slide: give the surface a velocity other \
-             than zero",
-            stuck + 1
-        )
-    };
-    Err(Error::analysis(format!(
-        "{problem}, or name a contact state with --state if the command has this option"
-    )))
+pub fn closed_at_rest(model: &LumpedModel) -> Vec<ContactState> {
+    model.contacts.iter().map(Contact::resting_state).collect()
 }
 
 /// The widest step in µ over which uniform sliding is followed; a mode of it that grows only in a range narrower than
@@ -106,7 +79,7 @@ const FEWEST_STEPS_OF_A_CLASS: f64 = 40.0;
 /// that are done, and can end the analysis.
 ///
 /// # Errors
-/// Returns an error if a surface stands still ([`uniform_sliding`]), there is no equilibrium in the whole range, the
+/// Returns an error if a surface stands still ([`Linearised::uniform_sliding`]), there is no equilibrium in the whole range, the
 /// range is above the static friction, there are too many contacts, a state cannot be analysed, or the watch has ended
 /// the analysis.
 pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<Bistability, Error> {
@@ -115,9 +88,15 @@ pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<B
     let here = at(first);
     let uniform_state = here.uniform_sliding()?;
     let classes = StateClasses::of(here.model())?;
-    let has_equilibrium = |mu: f64| at(mu).equilibrium().map(|_| ());
+    let has_equilibrium = |mu: f64| at(mu).equilibrium_in(&uniform_state).map(|_| ());
     let steps = ((last - first) / STEP).ceil().max(FEWEST_STEPS);
-    let equilibrium = equilibrium_ranges(&has_equilibrium, &spread([first, last], steps));
+    let values = spread([first, last], steps);
+    let equilibrium = equilibrium_ranges(&has_equilibrium, &values);
+    let other = values.iter().find_map(|&mu| {
+        let there = at(mu);
+        let states = there.equilibrium().ok()?.states(there.model());
+        (states != uniform_state).then_some((mu, states))
+    });
     if equilibrium.is_empty() {
         has_equilibrium(first)?;
     }
@@ -182,7 +161,15 @@ pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<B
     let need = |candidate: &Candidate| candidate.reach.map_or(f64::INFINITY, |reach| reach.energy);
     candidates.sort_by(|a, b| need(a).total_cmp(&need(b)).then(a.range[0].total_cmp(&b.range[0])));
     let widest = stable.iter().map(|[from, to]| (to - from) / steps).fold(0.0, f64::max);
-    Ok(Bistability { range: [first, last], equilibrium, uniform, stable, candidates, widest })
+    Ok(Bistability {
+        range: [first, last],
+        equilibrium,
+        other,
+        uniform,
+        stable,
+        candidates,
+        widest,
+    })
 }
 
 /// Finds the state that is easiest to reach, at the end of a range of µ where that is easiest, and what a motion needs to
@@ -322,6 +309,25 @@ mod tests {
         }
         let nowhere = bistability(&scene, [to + 0.1, 6.0], Watch::IDLE).unwrap_err();
         assert!(nowhere.is_equilibrium(), "{nowhere}");
+    }
+
+    /// Without friction the load opens contact 2; the slider's drag closes it.
+    #[test]
+    fn an_equilibrium_with_other_contacts_closed_is_left_out_and_told() {
+        let mut scene = builtin("set1").unwrap().scene();
+        scene.slider.angle = -0.5;
+        scene.modules_mut()[1].preload = -2e-3;
+        let found = bistability(&scene, [0.0, 1.96], Watch::IDLE).unwrap();
+        let [[from, to]] = found.equilibrium[..] else { panic!("{:?}", found.equilibrium) };
+        let (other, states) = found.other.unwrap();
+        assert_eq!(states, [ContactState::Slide; 2]);
+        assert!(from == 0.0 && to <= other && other - to < 0.01, "{to} {other}");
+        let gap = |mu: f64| {
+            let scene = Scene { friction_coefficient: mu, ..scene.clone() };
+            amontons::assembly::equilibrium(&scene, &LumpedModel::from(&scene)).unwrap().gap[1]
+        };
+        assert!(gap(to) > 0.0 && gap(to + 1e-9) == 0.0);
+        assert!(found.candidates.iter().all(|candidate| candidate.range[1] <= to));
     }
 
     /// Equal modules of which one is pressed on less: what a push needs does not depend on which of them it is.

@@ -1,9 +1,9 @@
 //! A scene's model as eigenvalues need it.
 
-use super::candidates::{resting_state, uniform_sliding};
+use super::candidates::closed_at_rest;
 use amontons::Error;
 use amontons::assembly::equilibrium;
-use amontons::contact::ContactState;
+use amontons::contact::{ContactState, JoinedStates};
 use amontons::model::{Equilibrium, LinearModel, LumpedModel};
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
@@ -70,12 +70,12 @@ impl Linearised {
     /// The linearised model: what eigenvalues are taken of.
     ///
     /// # Errors
-    /// Returns an error if µ depends on the slip velocity and there is no equilibrium to linearise about.
+    /// Returns an error if the equations need an equilibrium ([`LumpedModel::needs_equilibrium`]) and there is none.
     pub fn linear(&self) -> Result<LinearModel<'_>, Error> {
-        if self.model.law.friction.info().is_constant() {
-            self.model.linear()
-        } else {
+        if self.model.needs_equilibrium() {
             Ok(self.model.linear_about(self.equilibrium()?))
+        } else {
+            self.model.linear()
         }
     }
 
@@ -91,12 +91,6 @@ impl Linearised {
         found.as_ref().map_err(Error::clone)
     }
 
-    /// The one state in which the model can be at rest ([`resting_state`]).
-    #[must_use]
-    pub fn resting_state(&self) -> Vec<ContactState> {
-        resting_state(&self.model)
-    }
-
     /// The states of the contacts in the equilibrium: as at rest, and open where the equilibrium leaves a gap.
     ///
     /// # Errors
@@ -105,18 +99,63 @@ impl Linearised {
         Ok(self.equilibrium()?.states(&self.model))
     }
 
-    /// The state of uniform sliding.
+    /// The equilibrium, if its contacts are in these states: others may be closed at another µ.
     ///
     /// # Errors
-    /// Returns an error if a surface stands still ([`uniform_sliding`]).
+    /// Returns an error with the reason if there is none, or if its contacts are in other states.
+    pub fn equilibrium_in(&self, states: &[ContactState]) -> Result<&Equilibrium, Error> {
+        let found = self.equilibrium()?;
+        let here = found.states(&self.model);
+        if here == states {
+            return Ok(found);
+        }
+        Err(Error::equilibrium(format!(
+            "the equilibrium is in state {}, and not in {}",
+            JoinedStates(&here),
+            JoinedStates(states)
+        )))
+    }
+
+    /// The one state in which the model can be at rest: that of the equilibrium, or with all contacts closed where there is
+    /// none ([`closed_at_rest`]).
+    #[must_use]
+    pub fn resting_state(&self) -> Vec<ContactState> {
+        match self.equilibrium() {
+            Ok(found) => found.states(&self.model),
+            Err(_) => closed_at_rest(&self.model),
+        }
+    }
+
+    /// The state of uniform sliding: the resting state, where that has every contact sliding or open.
+    ///
+    /// # Errors
+    /// Returns an error if the surface under a closed contact stands still.
     pub fn uniform_sliding(&self) -> Result<Vec<ContactState>, Error> {
-        uniform_sliding(&self.model)
+        let states = self.resting_state();
+        let Some(stuck) = states.iter().position(|state| *state == ContactState::Stick) else {
+            return Ok(states);
+        };
+        let all_stand = self.model.contacts.iter().all(|contact| contact.surface_velocity == 0.0);
+        let problem = if all_stand {
+            "no surface moves, so no contact slides: give slider.velocity, or the velocity of a contact, a value other than zero"
+                .to_owned()
+        } else {
+            format!(
+                "the surface under contact {} stands still, so the contact does not slide: give the surface a velocity other \
+                 than zero",
+                stuck + 1
+            )
+        };
+        Err(Error::analysis(format!(
+            "{problem}, or name a contact state with --state if the command has this option"
+        )))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use amontons::contact::ContactState::{Detached, Slide};
     use amontons::scene::builtin;
 
     #[test]
@@ -134,9 +173,28 @@ mod tests {
     }
 
     #[test]
+    fn uniform_sliding_leaves_contacts_open_that_the_load_opens() {
+        let mut scene = builtin("set1").unwrap().scene();
+        scene.modules_mut()[1].preload = -5e-3;
+        let found = Linearised::of(&scene);
+        assert_eq!(found.uniform_sliding().unwrap(), [Slide, Detached]);
+        assert!(found.equilibrium_in(&[Slide, Detached]).is_ok());
+        let error = found.equilibrium_in(&[Slide, Slide]).unwrap_err().to_string();
+        assert!(error.contains("in state Sl-Dt, and not in Sl-Sl"), "{error}");
+        // Where it jams there is none, and all contacts are taken to be closed.
+        scene.slider.angle = -0.5;
+        scene.friction_coefficient = 6.0;
+        scene.modules_mut()[1].preload = 5e-3;
+        let jammed = Linearised::of(&scene);
+        assert!(jammed.equilibrium().is_err());
+        assert_eq!(jammed.resting_state(), [Slide, Slide]);
+    }
+
+    #[test]
     fn a_constant_law_needs_no_equilibrium() {
         let mut scene = builtin("set1").unwrap().scene();
-        scene.modules_mut()[0].preload = -0.1;
+        scene.slider.angle = -0.5;
+        scene.friction_coefficient = 6.0;
         let found = Linearised::of(&scene);
         assert!(found.equilibrium().is_err() && found.linear().is_ok());
     }

@@ -18,7 +18,7 @@ pub struct LinearityLimit {
     pub contact: usize,
     /// The state that it enters: where its slip velocity reaches zero it sticks (friction then has
     /// force to spare) or, without friction, slides the other way; where its normal force does, it
-    /// detaches.
+    /// detaches. A contact that is open in the equilibrium slides where its gap is gone.
     pub into: ContactState,
     /// Amplitude at which it does, m, of the degree of freedom that moves most.
     pub amplitude: f64,
@@ -37,12 +37,14 @@ pub fn linearity_limit(
     mode: &Mode,
 ) -> Option<LinearityLimit> {
     let model = linear.model();
-    let normal = normal_force_amplitudes(linear, mode)?;
+    let normal = normal_force_amplitudes(linear, equilibrium, mode)?;
     let along = |direction: &amontons::model::Direction| -> Complex<f64> {
         direction.0.iter().map(|&(dof, value)| mode.shape[dof] * value).sum()
     };
     let dof = largest(&mode.shape)?;
-    let first = model.contacts.iter().enumerate().flat_map(|(contact, rows)| {
+    let closed = (0..model.contacts.len()).filter(|contact| equilibrium.is_closed(*contact));
+    let first = closed.flat_map(|contact| {
+        let rows = &model.contacts[contact];
         let moved = along(&rows.tangent);
         let is_reached = moved.norm() > UNSEEN * mode.shape[dof].norm();
         let speed = if is_reached { (mode.eigenvalue * moved).norm() } else { 0.0 };
@@ -59,13 +61,27 @@ pub fn linearity_limit(
         let happens = [slow, open].into_iter().zip(may).filter_map(|(to, may)| may.then_some(to));
         happens.map(move |(into, amplitude)| LinearityLimit { contact, into, amplitude, dof })
     });
-    let all: Vec<LinearityLimit> = first.filter(|limit| limit.amplitude.is_finite()).collect();
+    let open = (0..model.contacts.len()).filter(|contact| !equilibrium.is_closed(*contact));
+    let landing = open.map(|contact| {
+        let rows = &model.contacts[contact];
+        let moved = along(&rows.normal).norm();
+        let is_reached = moved > UNSEEN * mode.shape[dof].norm();
+        let amplitude = if is_reached { equilibrium.gap[contact] / moved } else { f64::INFINITY };
+        LinearityLimit { contact, into: rows.resting_state(), amplitude, dof }
+    });
+    let all: Vec<LinearityLimit> =
+        first.chain(landing).filter(|limit| limit.amplitude.is_finite()).collect();
     let least = all.iter().map(|limit| limit.amplitude).fold(f64::INFINITY, f64::min);
     all.into_iter().find(|limit| limit.amplitude <= least * (1.0 + 1e-9))
 }
 
-/// |N| of each contact for the shape as it is: (λ² M + λ C + K) x = Σ (G_N + s µ G_T)ᵀ N.
-fn normal_force_amplitudes(linear: LinearModel<'_>, mode: &Mode) -> Option<Vec<f64>> {
+/// |N| of each contact for the shape as it is, zero for one that is open in the equilibrium:
+/// (λ² M + λ C + K) x = Σ (G_N + s µ G_T)ᵀ N.
+fn normal_force_amplitudes(
+    linear: LinearModel<'_>,
+    equilibrium: &Equilibrium,
+    mode: &Mode,
+) -> Option<Vec<f64>> {
     let model = linear.model();
     let (lambda, dofs) = (mode.eigenvalue, model.dofs());
     let damping = model.damping;
@@ -89,8 +105,8 @@ fn normal_force_amplitudes(linear: LinearModel<'_>, mode: &Mode) -> Option<Vec<f
         }
     }
     let mut forces = DMatrix::<Complex<f64>>::zeros(dofs, model.contacts.len());
-    for (column, (contact, ratio)) in model.contacts.iter().zip(model.sliding_ratios()).enumerate()
-    {
+    let contacts = model.contacts.iter().zip(model.sliding_ratios()).enumerate();
+    for (column, (contact, ratio)) in contacts.filter(|(i, _)| equilibrium.is_closed(*i)) {
         for (direction, factor) in [(&contact.normal, 1.0), (&contact.tangent, ratio)] {
             for &(dof, value) in &direction.0 {
                 forces[(dof, column)] += Complex::new(factor * value, 0.0);

@@ -27,8 +27,8 @@ pub enum Verdict {
     FarCandidate,
     /// Uniform sliding itself grows.
     Unstable,
-    /// There is no equilibrium in uniform sliding (jamming, a contact that opens, a slider that
-    /// stands still).
+    /// There is no equilibrium in uniform sliding (jamming, a load that pulls the structure off its contacts, a slider
+    /// that stands still).
     NoEquilibrium,
     /// The scene cannot be: its static friction is below its kinetic friction.
     Impossible,
@@ -83,12 +83,14 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
     if here.model().contacts.len() > MAX_CONTACTS {
         return Ok(Verdict::Stable);
     }
+    // A contact that is open at rest lands before it sticks.
+    let sticks = |state, at_rest| state == ContactState::Stick && at_rest != ContactState::Detached;
     let mut found = Verdict::Stable;
     for states in &StateClasses::of(here.model())?.representatives {
         let only_sticks = states
             .iter()
             .zip(&uniform)
-            .all(|(state, sliding)| state == sliding || *state == ContactState::Stick);
+            .all(|(state, sliding)| state == sliding || sticks(*state, *sliding));
         // A far state tells nothing new after another one.
         let asks = only_sticks || found == Verdict::Stable;
         if asks && Spectrum::of(model, states)?.unstable() && state_energy(&here, states)?.is_some()

@@ -1,14 +1,16 @@
 //! Size of the motion at which contacts are in another state than that of uniform sliding.
 //!
 //! The measure is the energy ½ q̇ᵀ M q̇ + ½ qᵀ K q of the deviation q from the equilibrium. A contact that sticks, or slides
-//! the other way, has its surface's velocity at that instant; one that opens has a normal force that falls to zero. The
+//! the other way, has its surface's velocity at that instant; one that opens has a normal force that falls to zero, and
+//! one that is open at rest and closes has a gap that does. The
 //! normal force is linear in q and q̇ while the other contacts slide, so that its least energy has a closed form. This ranks
 //! states: a blow that lifts a mass off opens a contact with less.
 
+use super::candidates::closed_at_rest;
 use super::linearised::Linearised;
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::model::{LinearModel, LumpedModel, SparseMatrix};
+use amontons::model::{Equilibrium, LinearModel, LumpedModel, SparseMatrix};
 use nalgebra::{DMatrix, DVector};
 
 /// Size of the motion whose contacts are in a state. It ranks states and is no threshold: friction may feed a smaller
@@ -21,9 +23,10 @@ pub struct StateEnergy {
     pub push: f64,
 }
 
-/// The greater of two energies: the least kinetic one with which the contacts that stick or slide the other way have the
-/// velocities of their surfaces and closed ones stay closed, and the least one at which the normal force of each contact
-/// that opens is zero while the others slide. `None` for states that no motion can reach: contacts that would stick on
+/// The greatest of three energies: the least kinetic one with which the contacts that stick or slide the other way have the
+/// velocities of their surfaces and closed ones stay closed, the least one at which the normal force of each contact
+/// that opens is zero while the others slide, and the least elastic one at which the gap of each open contact that closes
+/// is zero. `None` for states that no motion can reach: contacts that would stick on
 /// surfaces of velocities that their masses cannot have together, or that would slide the other way under a law that gives
 /// friction the direction of the surface.
 ///
@@ -33,7 +36,10 @@ pub fn state_energy(
     here: &Linearised,
     states: &[ContactState],
 ) -> Result<Option<StateEnergy>, Error> {
-    let (model, sliding) = (here.model(), here.uniform_sliding()?);
+    here.uniform_sliding()?;
+    let model = here.model();
+    // A contact that lands slides as the others do.
+    let sliding = closed_at_rest(model);
     let equilibrium = here.equilibrium()?;
     let turns = |(state, usual): (&ContactState, &ContactState)| {
         state.sliding_direction().is_some() && state != usual
@@ -45,9 +51,13 @@ pub fn state_energy(
     let Some(inverse) = mass.clone().try_inverse() else { return Ok(None) };
     let problem = Problem { model, inverse, damping: damping(here.linear()?) };
     let Some(mut energy) = problem.kinetic(states, &sliding) else { return Ok(None) };
-    for i in (0..states.len()).filter(|i| states[*i] == ContactState::Detached) {
-        let opens = problem.opening(i, equilibrium.normal_force[i]);
-        energy = energy.max(opens.unwrap_or(0.0));
+    for (i, state) in states.iter().enumerate() {
+        let needs = match (*state == ContactState::Detached, equilibrium.is_closed(i)) {
+            (true, true) => problem.opening(i, equilibrium),
+            (false, false) => problem.closing(i, equilibrium),
+            _ => None,
+        };
+        energy = energy.max(needs.unwrap_or(0.0));
     }
     let heaviest = mass.diagonal().max();
     Ok(Some(StateEnergy { energy, push: (2.0 * energy / heaviest).sqrt() }))
@@ -96,20 +106,49 @@ impl Problem<'_> {
         (missed <= 1e-9 * speeds.amax()).then(|| 0.5 * speeds.dot(&impulse))
     }
 
-    /// The least energy at which the normal force of a contact, `usual` (N) in the equilibrium, is zero while all contacts
-    /// slide. `None` where no deviation changes it, or contacts are redundant.
-    fn opening(&self, contact: usize, usual: f64) -> Option<f64> {
-        let contacts = &self.model.contacts;
-        let rows: Vec<DVector<f64>> =
-            contacts.iter().map(|contact| self.row(&contact.normal.0)).collect();
-        let forces: Vec<DVector<f64>> = contacts
-            .iter()
-            .zip(self.model.sliding_ratios())
-            .zip(&rows)
-            .map(|((other, ratio), normal)| normal + self.row(&other.tangent.0) * ratio)
+    /// The least elastic energy at which the gap of a contact is zero while those that are closed in the equilibrium stay
+    /// closed. `None` where the deviation is not determined.
+    fn closing(&self, contact: usize, equilibrium: &Equilibrium) -> Option<f64> {
+        let n = self.model.dofs();
+        let held: Vec<usize> = (0..equilibrium.gap.len())
+            .filter(|other| equilibrium.is_closed(*other))
+            .chain([contact])
             .collect();
-        let mut wanted = DVector::zeros(contacts.len());
-        wanted[contact] = 1.0;
+        let mut system = DMatrix::zeros(n + held.len(), n + held.len());
+        for (row, column, value) in self.model.stiffness.entries() {
+            system[(row, column)] = value;
+        }
+        for (place, other) in held.iter().enumerate() {
+            for &(dof, part) in &self.model.contacts[*other].normal.0 {
+                system[(n + place, dof)] += part;
+                system[(dof, n + place)] += part;
+            }
+        }
+        let mut wanted = DVector::zeros(n + held.len());
+        wanted[n + held.len() - 1] = -equilibrium.gap[contact];
+        let found = system.lu().solve(&wanted)?;
+        // ½ q·K q = −½ (force along the gap) · (its change).
+        let energy = 0.5 * found[n + held.len() - 1] * equilibrium.gap[contact];
+        energy.is_finite().then_some(energy.max(0.0))
+    }
+
+    /// The least energy at which the normal force of a contact is zero while all contacts that are closed in the
+    /// equilibrium slide. `None` where no deviation changes it, or contacts are redundant.
+    fn opening(&self, contact: usize, equilibrium: &Equilibrium) -> Option<f64> {
+        let usual = equilibrium.normal_force[contact];
+        let ratios: Vec<f64> = self.model.sliding_ratios().collect();
+        let contacts = &self.model.contacts;
+        let closed: Vec<usize> =
+            (0..contacts.len()).filter(|other| equilibrium.is_closed(*other)).collect();
+        let rows: Vec<DVector<f64>> =
+            closed.iter().map(|other| self.row(&contacts[*other].normal.0)).collect();
+        let forces: Vec<DVector<f64>> = closed
+            .iter()
+            .zip(&rows)
+            .map(|(other, normal)| normal + self.row(&contacts[*other].tangent.0) * ratios[*other])
+            .collect();
+        let mut wanted = DVector::zeros(closed.len());
+        wanted[closed.iter().position(|other| *other == contact)?] = 1.0;
         let (rows, forces) =
             (DMatrix::from_columns(&rows).transpose(), DMatrix::from_columns(&forces));
         // (G M⁻¹ F) dN = G M⁻¹ (K q + C q̇), because closed contacts are not accelerated along G.
@@ -245,5 +284,25 @@ output_interval = 1.0e-3
         assert_eq!(problem.kinetic(&[ContactState::Stick; 2], &sliding), None);
         let one = [ContactState::Stick, sliding[1]];
         assert!((problem.kinetic(&one, &sliding).unwrap() - 0.09).abs() < 1e-12);
+    }
+
+    /// The block hangs g above the belt: to land, its springs take ½ k g² with the stiffness k along the normal.
+    #[test]
+    fn a_contact_that_is_open_at_rest_needs_the_energy_that_closes_its_gap() {
+        let text = BLOCK.replace("force = [0.0, -10.0]", "force = [0.0, 3.0]");
+        let here = Linearised::of(&parse("block", &text).unwrap());
+        let gap = here.equilibrium().unwrap().gap[0];
+        let inverse = [[5000.0, 0.0], [0.0, 0.0]];
+        let (c, s) = (f64::cos(1.1), f64::sin(1.1));
+        let k = [[inverse[0][0] + 300.0 * c * c, 300.0 * c * s], [300.0 * c * s, 300.0 * s * s]];
+        // Along y with x free: k_yy − k_xy²/k_xx.
+        let along = k[1][1] - k[0][1] * k[0][1] / k[0][0];
+        assert!((gap - 3.0 / along).abs() < 1e-12);
+        let needs = |state| state_energy(&here, &[state]).unwrap().unwrap().energy;
+        let closes = 0.5 * along * gap * gap;
+        assert!((needs(ContactState::ReverseSlide) - closes).abs() < 1e-12 * closes);
+        assert_eq!(needs(ContactState::Detached), 0.0);
+        // To stick it needs the velocity of the belt, too: ½ 2 kg (0.3 m/s)².
+        assert!((needs(ContactState::Stick) - closes.max(0.09)).abs() < 1e-12);
     }
 }

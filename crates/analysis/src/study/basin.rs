@@ -16,7 +16,7 @@ use super::work::Work;
 use super::{Journal, Watch};
 use crate::regions::{Found, lines, trace, usual_islands};
 use crate::spectral::Window;
-use crate::stability::candidates::resting_state;
+use crate::stability::Linearised;
 use crate::stability::parallel::collect;
 use amontons::Error;
 use amontons::contact::ContactState;
@@ -508,7 +508,7 @@ fn stable_rest(scene: &Scene) -> Option<Vec<ContactState>> {
     if !scene.signals.is_empty() || EventDriven::new(&model).is_err() {
         return None;
     }
-    let states = resting_state(&model);
+    let states = Linearised::of(scene).resting_state();
     let spectrum = Spectrum::of(model.linear().ok()?, &states).ok()?;
     (spectrum.growth_rate() < 0.0).then_some(states)
 }

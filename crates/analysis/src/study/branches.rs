@@ -4,7 +4,7 @@ use super::orbit::{From, solved};
 use super::{Journal, ObservationSettings, Watch, drive};
 use crate::assign::{assign, value_of};
 use crate::orbit::{Branch, Continued, Flow, FlowAt, branch, check_signals};
-use crate::stability::candidates::{spread, stable_ranges, uniform_sliding};
+use crate::stability::candidates::{spread, stable_ranges};
 use crate::stability::locus::locus;
 use crate::stability::{Linearised, linearity_limit, modes};
 use amontons::Error;
@@ -132,8 +132,16 @@ fn rest_branch(
 ) -> Result<RestBranch, Error> {
     let model_at = |value: f64| Ok(Linearised::of(&scene_at(value)?));
     let first = model_at(range[0])?;
-    let states = uniform_sliding(first.model())?;
-    let found = locus(&model_at, &states, &spread(range, LOOKS), &|_, _| {})?;
+    let states = first.uniform_sliding()?;
+    // Between the ends the pattern of closed contacts may change and come back.
+    let looked_at = spread(range, LOOKS);
+    for value in &looked_at {
+        let there = model_at(*value)?;
+        if there.equilibrium().is_ok() {
+            there.equilibrium_in(&states)?;
+        }
+    }
+    let found = locus(&model_at, &states, &looked_at, &|_, _| {})?;
     let mut crossings = Vec::new();
     for crossing in &found.crossings {
         let there = model_at(crossing.value)?;

@@ -2,7 +2,7 @@
 //! from eigenvalues, growth or decay.
 
 use crate::stability::Linearised;
-use crate::stability::candidates::resting_state;
+use crate::stability::candidates::closed_at_rest;
 use amontons::contact::ContactState;
 use amontons::model::{Contact, LumpedModel};
 use amontons::numerics::max_norm;
@@ -71,7 +71,7 @@ fn rubs(scene: &Scene, contact: &Contact) -> bool {
 pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
     let scene = simulation.scene();
     let model = LumpedModel::from(scene);
-    let at_rest = resting_state(&model);
+    let at_rest = closed_at_rest(&model);
     let contacts = model.contacts.iter().zip(&at_rest);
     simulation.contact_states().iter().zip(contacts).all(|(state, (contact, at_rest))| {
         state == at_rest || *state == ContactState::Detached || !rubs(scene, contact)

@@ -1,10 +1,8 @@
 //! Observation of a run: outputs by their names, and rows near enough to each other for the scene's fastest mode.
 
 use crate::stability::Linearised;
-use crate::stability::candidates::resting_state;
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::model::LumpedModel;
 use amontons::scene::{Scene, Signal, did_you_mean};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Variable, variables};
@@ -48,23 +46,23 @@ pub fn unit(output: &Variable) -> &'static str {
 /// The frequencies of the slowest and the fastest mode or sine of a signal, Hz: of the state that the scene can rest in
 /// and, where it is known, of all states. `None` where nothing oscillates.
 pub(crate) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
-    frequencies_in(scene, &resting_state)
+    frequencies_in(scene, &Linearised::resting_state)
 }
 
 /// The frequencies of [`frequencies`]; where nothing oscillates at rest, as on a surface that stands still, those of sliding.
 pub(crate) fn frequencies_in_motion(scene: &Scene) -> Option<[f64; 2]> {
-    let sliding = |model: &LumpedModel| vec![ContactState::Slide; model.contacts.len()];
+    let sliding = |here: &Linearised| vec![ContactState::Slide; here.model().contacts.len()];
     frequencies(scene).or_else(|| frequencies_in(scene, &sliding))
 }
 
 fn frequencies_in(
     scene: &Scene,
-    states: &dyn Fn(&LumpedModel) -> Vec<ContactState>,
+    states: &dyn Fn(&Linearised) -> Vec<ContactState>,
 ) -> Option<[f64; 2]> {
     let here = Linearised::of(scene);
     let model = here.model();
     let linear = here.linear().unwrap_or_else(|_| model.with_greatest_friction());
-    let spectrum = Spectrum::of(linear, &states(model)).ok()?;
+    let spectrum = Spectrum::of(linear, &states(&here)).ok()?;
     let slowest = spectrum.oscillating.first()?.im / TAU;
     let fastest = spectrum.oscillating.last()?.im / TAU;
     let bound = highest_frequency(model).map_or(fastest, |bound| bound / TAU);

@@ -5,7 +5,7 @@ use amontons::contact::ContactState;
 use amontons::integrator::{Inputs, Integrator, Motion, RingForwardIncrement};
 use amontons::model::LumpedModel;
 use amontons::scene::{builtin, parse};
-use amontons_analysis::stability::candidates::uniform_sliding;
+use amontons_analysis::stability::candidates::closed_at_rest;
 use amontons_analysis::stability::{LinearityLimit, linearity_limit, modes};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -28,7 +28,7 @@ fn states_met(case: Case, part: f64) -> (LinearityLimit, Vec<ContactState>) {
     scene.damping.beta *= f64::from(u8::from(damped));
     let model = LumpedModel::from(&scene);
     let equilibrium = assembly::equilibrium(&scene, &model).unwrap();
-    let sliding = uniform_sliding(&model).unwrap();
+    let sliding = closed_at_rest(&model);
     let linear = model.linear().unwrap();
     let mode = &modes(linear, &sliding).unwrap().oscillating[mode];
     let found = linearity_limit(linear, &equilibrium, mode).unwrap();
@@ -70,7 +70,7 @@ fn a_mode_that_does_not_reach_a_contact_makes_it_leave_nothing() {
     let scene = parse("alone", text).unwrap();
     let model = LumpedModel::from(&scene);
     let equilibrium = assembly::equilibrium(&scene, &model).unwrap();
-    let sliding = uniform_sliding(&model).unwrap();
+    let sliding = closed_at_rest(&model);
     let linear = model.linear().unwrap();
     let found = modes(linear, &sliding).unwrap().oscillating;
     assert_eq!(found.len(), 2);

@@ -5,7 +5,7 @@ use amontons::contact::ContactState::{Detached, ReverseSlide, Slide, Stick};
 use amontons::model::LumpedModel;
 use amontons::scene::{Scene, builtin, parse};
 use amontons::stability::Spectrum;
-use amontons_analysis::stability::candidates::{bistability, resting_state, uniform_sliding};
+use amontons_analysis::stability::candidates::{bistability, closed_at_rest};
 use amontons_analysis::stability::locus::locus;
 use amontons_analysis::stability::{Linearised, linearity_limit, modes};
 use amontons_analysis::watch::Watch;
@@ -47,7 +47,7 @@ fn each_contact_slides_by_the_sign_of_its_own_velocity() {
     let (mut scene, _) = pressed("", &format!("{SECOND}velocity = -0.2\n"));
     let mut sliding = |velocity: f64| {
         scene.slider.velocity = velocity;
-        uniform_sliding(&LumpedModel::from(&scene))
+        Linearised::of(&scene).uniform_sliding()
     };
     assert_eq!(sliding(0.1).unwrap(), [Slide, ReverseSlide]);
     assert_eq!(sliding(-0.1).unwrap(), [ReverseSlide; 2]);
@@ -59,8 +59,8 @@ fn each_contact_slides_by_the_sign_of_its_own_velocity() {
 #[test]
 fn a_contact_whose_surface_stands_still_rests_stuck_and_does_not_slide() {
     let (_, model) = pressed("", &format!("{SECOND}velocity = 0.0\n"));
-    assert_eq!(resting_state(&model), [Slide, Stick]);
-    let error = uniform_sliding(&model).unwrap_err().to_string();
+    assert_eq!(closed_at_rest(&model), [Slide, Stick]);
+    let error = Linearised::from(model).uniform_sliding().unwrap_err().to_string();
     assert!(error.contains("surface under contact 2 stands still"), "{error}");
 }
 

@@ -223,6 +223,51 @@ fn a_forced_mass_grazes_a_stop_on_the_curve_of_its_linear_response() {
     }
 }
 
+/// A mass on a spring at a distance from a stop, under a sine: as a gap of the contact, and as a force that lifts the mass
+/// off a stop on which it lies.
+#[test]
+fn a_stop_at_a_gap_has_the_orbit_of_a_mass_that_a_force_holds_off_its_stop() {
+    let (gap, k, omega) = (0.03, 100.0, 13.0);
+    let text = |load: f64, gap: f64| {
+        format!(
+            "[slider]\nvelocity = 0.5\nangle = 0.0\n[friction]\ncoefficient = 0.3\n\
+             [[mass]]\nname = \"m\"\nmass = 1.0\nforce = [0.0, {load:?}]\n\
+             [[spring]]\nname = \"k\"\nbetween = [\"m\", \"ground\"]\ndirection = \"y\"\nstiffness = {k:?}\n\
+             [[damper]]\nname = \"c\"\nbetween = [\"m\", \"ground\"]\ndirection = \"y\"\ndamping = 1.0\n\
+             [[spring]]\nname = \"side\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = 50.0\n\
+             [[damper]]\nname = \"slow\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\ndamping = 2.0\n\
+             [[contact]]\nname = \"stop\"\nmass = \"m\"\ngap = {gap:?}\n\
+             [inputs]\nforces = \"input\"\n\
+             [[signal]]\ninput = \"mass.m.fy\"\nsine = {{ amplitude = 3.0, frequency = {:?} }}\n\
+             [integrator]\nmethod = \"event-driven\"\nstep = 0.01\n",
+            omega / (2.0 * PI)
+        )
+    };
+    let period = 2.0 * PI / omega;
+    let found = |scene: Scene| {
+        let mut simulation = after(scene, (60.0 / period).ceil() * period);
+        let own = simulation.reference().gap[0];
+        (own, solved(&mut simulation, Some(period), period).unwrap())
+    };
+    let (own, (with_gap, chain, mut flow)) = found(parse("gap", &text(0.0, gap)).unwrap());
+    assert_eq!(own, gap);
+    let mut lifted = parse("lifted", &text(-1.0, 0.0)).unwrap();
+    assign(&mut lifted, "mass.m.fy", 1.0 + k * gap).unwrap();
+    let (own, (with_force, ..)) = found(lifted);
+    assert_eq!(own, 0.0);
+    let lands = |orbit: &Orbit| {
+        orbit.events.iter().flat_map(|instant| &instant.events).any(|of| of.1 == Event::Touch)
+    };
+    assert!(lands(&with_gap) && with_gap.events.len() == with_force.events.len());
+    for (a, b) in with_gap.extents.iter().zip(&with_force.extents) {
+        near(*a, *b, 1e-9);
+    }
+    for (a, b) in with_gap.multipliers.iter().zip(&with_force.multipliers) {
+        assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
+    }
+    has_multipliers_of_differences(&with_gap, &chain, &mut flow, &[0, 1, 2, 3]);
+}
+
 /// Central differences of runs of the event-driven integrator over a period, in the directions that contacts leave free
 /// at the start; the start is in the middle of a segment.
 fn by_differences(flow: &mut Flow, chain: &Chain, free: &[usize]) -> Vec<(f64, f64)> {

@@ -177,12 +177,24 @@ fn a_locus_reaches_the_end_of_its_range_on_the_grid_or_not() {
 #[test]
 fn states_without_an_equilibrium_say_so() {
     let folder = folder();
-    let arguments = ["states", "set1", "--set", "module[1].preload=-0.1", "--format", "json"];
+    let jams = ["--set", "slider.angle=-0.5", "--set", "friction.coefficient=5"];
+    let arguments = [&["states", "set1", "--format", "json"], &jams[..]].concat();
     let output = stability(folder.path(), &arguments);
-    assert!(text(&output.stderr).contains("contact[1] opens"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("contact[1] jams"), "{}", text(&output.stderr));
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(found["equilibrium_error"].as_str().unwrap().contains("contact[1] opens"));
+    assert!(found["equilibrium_error"].as_str().unwrap().contains("contact[1] jams"));
     assert_eq!(found["states"]["Sl-Sl"]["has_equilibrium"], false);
+}
+
+#[test]
+fn the_equilibrium_with_an_open_contact_is_among_the_states() {
+    let loose = ["--set", "module[2].preload=-5e-3"];
+    let json = printed(&[&["states", "set1", "--format", "json"], &loose[..]].concat());
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(found["states"]["Sl-Dt"]["has_equilibrium"], true);
+    assert_eq!(found["states"]["Sl-Sl"]["has_equilibrium"], false);
+    let table = printed(&[&["states", "set1"], &loose[..]].concat());
+    assert!(table.contains("Equilibrium: Sl-Dt\n"), "{table}");
 }
 
 #[test]
@@ -509,9 +521,9 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
             &["no surface moves"],
         ),
         (
-            &["bistable", "set1", "--friction", "0:1", "--set", "module[1].preload=-0.1"],
+            &["bistable", "set1", "--friction", "5:6", "--set", "slider.angle=-0.5"],
             3,
-            &["contact[1] opens"],
+            &["contact[1] jams"],
         ),
         (&["bistable", "ring12", "--friction", "0:1"], 3, &["12 contacts", "8"]),
         (

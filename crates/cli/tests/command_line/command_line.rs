@@ -255,7 +255,6 @@ fn impossible_scenes_are_refused_with_what_would_be_right() {
         ("angle = 0.5", "angle = 30.0", &["slider.angle = 30", "0.5236"]),
         ("v1 = 1.0e-7", "x4 = -1.0e-7", &["initial[1].x4", "inside the slider"]),
         ("step = 1.0e-6", "step = 2.0e-3", &["critical step", "3.0196e-4", "Sl-Sl, coalesced"]),
-        ("preload = 5.0e-3", "preload = -5.0e-3", &["contact[1] opens", "preload"]),
         (
             "angle = 0.5             # θ, rad\n\n[friction]\ncoefficient = 1.96",
             "angle = -0.5\n\n[friction]\ncoefficient = 5",

@@ -295,7 +295,6 @@ def test_an_empty_name_is_refused(instance):
             {"slider.angle": -1.4, "friction.coefficient": 5.0},
             "no equilibrium in sliding with a friction coefficient of 5: contact[1] jams",
         ),
-        ({"module[2].preload": -5e-3}, "contact[2] opens under the load"),
         ({"initial.module[1].x4": -1e-6}, "initial.module[1].x4 = -0.000001:"),
         ({"slider.velocity": math.nan}, "slider.velocity = NaN:"),
         ({"module[1].k1": math.inf}, "module[1].k1 = inf:"),

@@ -1,7 +1,6 @@
 //! The modes of uniform sliding over friction: where they begin to grow, and their picture.
 
 use super::{NAMED, can_squeal};
-use amontons::assembly::equilibrium;
 use amontons::contact::{ContactState, JoinedStates};
 use amontons::decimal::to_significant;
 use amontons::model::LumpedModel;
@@ -75,7 +74,7 @@ pub(super) fn followed(
             about.name
         ));
     }
-    if states.iter().any(|state| state.sliding_direction().is_none()) {
+    if states.contains(&ContactState::Stick) {
         return Err(
             "A root locus over friction needs uniform sliding, but not all contacts slide in this state.".into()
         );
@@ -96,10 +95,8 @@ pub(super) fn followed(
     let at = |value: f64| with_friction(scene, axis, value);
     let locus = locus(&|value| Ok(Linearised::of(&at(value))), states, &values, &|_, _| {})
         .map_err(|error| format!("The modes cannot be followed over friction: {error}."))?;
-    let has_equilibrium = |value: f64| {
-        let scene = at(value);
-        equilibrium(&scene, &LumpedModel::from(&scene)).map(|_| ())
-    };
+    let has_equilibrium =
+        |value: f64| Linearised::of(&at(value)).equilibrium_in(states).map(|_| ());
     if locus.branches.is_empty() {
         return Err(
             "In uniform sliding no degree of freedom can move, whatever the friction.".into()

@@ -4,7 +4,7 @@ use super::locus::followed;
 use super::{NAMED, can_squeal, markup};
 use amontons::Error;
 use amontons::contact::{ContactState, JoinedStates};
-use amontons::model::Equilibrium;
+use amontons::model::{Equilibrium, Uniqueness};
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
 use amontons_analysis::stability::Linearised;
@@ -23,6 +23,9 @@ pub(super) fn section(effective: &Scene, reference: &Equilibrium) -> Result<Stri
     let here = Linearised::about(effective, reference);
     let states = here.resting_state();
     markup::paragraphs(&mut html, &verdict(effective, &here, &states));
+    if let Some(words) = others(effective, &here, reference) {
+        markup::paragraphs(&mut html, &[words]);
+    }
     match followed(effective, here.model(), &states) {
         Err(why) => markup::paragraphs(&mut html, &[why]),
         Ok(found) => {
@@ -32,6 +35,32 @@ pub(super) fn section(effective: &Scene, reference: &Equilibrium) -> Result<Stri
         }
     }
     Ok(html)
+}
+
+/// What is known of other equilibria, in words; `None` where all contacts are closed in the only one.
+fn others(scene: &Scene, here: &Linearised, reference: &Equilibrium) -> Option<String> {
+    let has_open = reference.gap.iter().any(|gap| *gap > 0.0);
+    match here.model().uniqueness(reference) {
+        Uniqueness::One if !has_open => None,
+        Uniqueness::One => Some("There is no other equilibrium at these values.".into()),
+        Uniqueness::Unknown if !has_open => None,
+        Uniqueness::Unknown => {
+            Some("Whether there is another equilibrium at these values is unknown.".into())
+        }
+        Uniqueness::Several(other) => {
+            let differ = (0..reference.gap.len())
+                .filter(|i| reference.is_closed(*i) != other.is_closed(*i))
+                .map(|i| {
+                    let is = if reference.is_closed(i) { "open" } else { "closed" };
+                    format!("{} {is}", scene.contact_name(i))
+                })
+                .collect::<Vec<_>>();
+            Some(format!(
+                "Friction allows another equilibrium at these values, with {}.",
+                differ.join(", ")
+            ))
+        }
+    }
 }
 
 /// The behaviour of small disturbances at the start, in words.
@@ -59,12 +88,23 @@ fn situation(scene: &Scene, states: &[ContactState]) -> String {
     if count == 0 {
         return "The scene has no contacts, so nothing can squeal.".into();
     }
-    let sliding = states.iter().filter(|state| **state != ContactState::Stick).count();
+    let sliding = states.iter().filter(|state| state.sliding_direction().is_some()).count();
+    let open = states.iter().filter(|state| **state == ContactState::Detached).count();
     let named = match count {
         0..=NAMED => format!(" (state {})", JoinedStates(states)),
         _ => String::new(),
     };
     let them = match (count, sliding) {
+        (1, _) if open == 1 => "the contact is open".to_owned(),
+        _ if open > 0 => {
+            let is = if open == 1 { "is" } else { "are" };
+            let others = if sliding + open < count {
+                ", and the surfaces under the others stand still"
+            } else {
+                ""
+            };
+            format!("{open} of {count} contacts {is} open, {sliding} slide{others}")
+        }
         (1, 1) => "the contact slides".to_owned(),
         (1, _) => "the surface under the contact stands still".to_owned(),
         (2, 2) => "both contacts slide".to_owned(),

@@ -18,7 +18,7 @@ class SceneError(Error):
 
 
 class EquilibriumError(Error):
-    """A scene without a static equilibrium: it jams, or a contact opens."""
+    """A scene without a static equilibrium: it jams, or the load pulls it off its contacts."""
 
 
 class AnalysisError(Error):

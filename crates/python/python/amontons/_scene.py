@@ -534,19 +534,21 @@ class Scene:
         Returns
         -------
         dict
-            ``displacement`` (m) by degree of freedom; ``normal_force`` and ``friction_force`` (N) by contact.
+            ``displacement`` (m) by degree of freedom; ``normal_force`` and ``friction_force`` (N) and ``gap`` (m) by contact:
+            the gap of a closed contact is 0.
 
         Raises
         ------
         EquilibriumError
-            If there is none: the scene jams, or a contact opens.
+            If there is none: the scene jams, or the load pulls it off its contacts.
         """
-        displacement, normal, friction = (part.tolist() for part in _core.equilibrium(self._core, self._instant(at)))
+        displacement, normal, friction, gap = (part.tolist() for part in _core.equilibrium(self._core, self._instant(at)))
         contacts = self._core.contact_names
         return {
             "displacement": dict(zip(self._core.dof_names, displacement)),
             "normal_force": dict(zip(contacts, normal)),
             "friction_force": dict(zip(contacts, friction)),
+            "gap": dict(zip(contacts, gap)),
         }
 
     def verdict(self, at: float | None = None) -> str:

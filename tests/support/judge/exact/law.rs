@@ -161,7 +161,7 @@ impl Run {
             slip_velocity = 0.0;
         }
         let [gap_acceleration, slip_acceleration] = along(acceleration, slider[1]);
-        let gap = normal.dot(x);
+        let gap = self.gap(contact, x);
         let on = |velocities: [f64; 2], scales: Scales| {
             let [gap_velocity, slip_velocity] = velocities;
             let gap = if scales == self.scales { gap } else { 0.0 };
@@ -314,7 +314,7 @@ impl Run {
         let approaches = (0..span.steady.len()).any(|i| {
             let normal = self.directions.column(2 * i);
             let [x, v] = &before.place;
-            normal.dot(x) <= STANDS * self.scales.length && normal.dot(v) < -STANDS * fastest
+            self.gap(i, x) <= STANDS * self.scales.length && normal.dot(v) < -STANDS * fastest
         });
         let landed = after.statistics.touch_downs - before.statistics.touch_downs;
         if landed == 0 && !approaches {
@@ -337,7 +337,7 @@ impl Run {
             .map(|i| {
                 let [normal, tangent] = [0, 1].map(|k| self.directions.column(2 * i + k));
                 let [x, v] = &after.place;
-                [normal.dot(x), normal.dot(v), span.slider(i, after.t) - tangent.dot(v)]
+                [self.gap(i, x), normal.dot(v), span.slider(i, after.t) - tangent.dot(v)]
             })
             .collect();
         let Some(fit) = &self.fit else {

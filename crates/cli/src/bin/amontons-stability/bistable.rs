@@ -58,6 +58,13 @@ fn print_uniform(
             writeln!(out, "  has an equilibrium from µ = {from} to {to} only")?;
         }
     }
+    if let Some((mu, states)) = &found.other {
+        let (mu, states) = (significant(*mu, LOCATED), JoinedStates(states));
+        writeln!(
+            out,
+            "  has an equilibrium with other contacts closed ({states}) at µ = {mu}, which is left out"
+        )?;
+    }
     if found.uniform.is_empty() {
         let all = if found.stable.is_empty() {
             "grows"

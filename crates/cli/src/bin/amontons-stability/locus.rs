@@ -167,7 +167,12 @@ impl Family<'_> {
             None => self.given.scene.clone(),
         };
         let here = |value: f64| Ok::<_, Error>(Linearised::of(&with(&scene, self.name, value)?));
-        let has_equilibrium = |value: f64| here(value)?.equilibrium().map(|_| ());
+        let has_equilibrium = |value: f64| {
+            let here = here(value)?;
+            // Other contacts may be closed at other values.
+            let states = if is_uniform { self.states.clone() } else { here.resting_state() };
+            here.equilibrium_in(&states).map(|_| ())
+        };
         let equilibrium = equilibrium_ranges(&has_equilibrium, self.values);
         let falls = !scene.contact_law().friction.info().is_constant();
         if falls && equilibrium != [[self.values[0], self.values[self.values.len() - 1]]] {
@@ -273,8 +278,12 @@ fn sliding_values(
         let Ok(states) = Linearised::of(&with(scene, name, value)?).uniform_sliding() else {
             continue;
         };
+        let turns = |before: &[ContactState]| {
+            let both = before.iter().zip(&states);
+            both.filter(|(a, b)| ![**a, **b].contains(&ContactState::Detached)).any(|(a, b)| a != b)
+        };
         match &first {
-            Some((from, before)) if *before != states => {
+            Some((from, before)) if turns(before) => {
                 return Err(Failure::Usage(format!(
                     "uniform sliding is {} at {name} = {from} and {} at {value}: give a range in which no surface \
                      turns, or name a contact state with --state",

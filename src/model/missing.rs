@@ -1,0 +1,153 @@
+//! The reason why there is no equilibrium, in words.
+
+use super::banded::Singular;
+use super::closing::Condensed;
+use super::{Equilibrium, LumpedModel};
+use crate::Error;
+use crate::numerics::bisect;
+use std::fmt;
+
+impl LumpedModel {
+    /// Explains why no contacts that can open carry the load at these µ. Looks for the largest part of them at which
+    /// some do: where the equilibrium is lost, a normal force that grows without bound is jamming.
+    pub(super) fn explain_jamming(
+        &self,
+        condensed: &Condensed,
+        slopes: &[f64],
+        name: &dyn Fn(usize) -> String,
+    ) -> Error {
+        let exists = |part: f64| {
+            let part: Vec<f64> = slopes.iter().map(|slope| part * slope).collect();
+            let problem = condensed.with_friction(&part).ok()?;
+            problem.forces(&problem.closed()?)
+        };
+        let Some(Lost { last, start, part }) = lost(exists) else {
+            return Error::equilibrium(
+                "no equilibrium in sliding: the load pulls the structure off its contacts, and springs do not hold it in all \
+                 its motions; press it on by a preload or a force, or hold it by a spring",
+            );
+        };
+        let limit = Limit::of(slopes, jammed(&last, &start).unwrap_or(0), part);
+        match jammed(&last, &start) {
+            Some(contact) => limit.jams(&name(contact)),
+            None => Error::equilibrium(format!(
+                "no equilibrium in sliding with {limit}: none is found from {:.6} on, where a contact opens or closes; \
+                 lower the coefficient, or press the contacts on",
+                limit.value
+            )),
+        }
+    }
+
+    /// Explains why contacts that cannot open have no equilibrium in which none pulls at these µ. Looks for the largest
+    /// part of them that has one: where the equilibrium is lost, a normal force that falls to zero is a contact that
+    /// would open, one that grows without bound is jamming.
+    pub(super) fn explain_pulling(
+        &self,
+        slopes: &[f64],
+        found: &Result<Equilibrium, Singular>,
+        name: &dyn Fn(usize) -> String,
+    ) -> Error {
+        let solve = |part: f64| {
+            let part: Vec<f64> = slopes.iter().map(|slope| part * slope).collect();
+            self.solve(&part, &self.load)
+        };
+        if solve(0.0).is_err() {
+            return mechanism();
+        }
+        let exists = |part: f64| {
+            let found = solve(part).ok().filter(|found| found.pulled_contact().is_none())?;
+            Some(found.normal_force)
+        };
+        let Some(Lost { last, start, part }) = lost(exists) else {
+            let pulled = found.as_ref().ok().and_then(Equilibrium::pulled_contact);
+            let (contact, force) = pulled.unwrap_or((0, 0.0));
+            return Error::equilibrium(format!(
+                "no equilibrium in sliding: {} opens under the load \
+                 (it would have to pull with {:.4} N); press it on by a preload or a force",
+                name(contact),
+                -force
+            ));
+        };
+        let jams = jammed(&last, &start);
+        let lightest = last.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        let contact = jams.or(lightest.map(|(contact, _)| contact)).unwrap_or(0);
+        let (limit, name) = (Limit::of(slopes, contact, part), name(contact));
+        match jams {
+            Some(_) => limit.jams(&name),
+            None => Error::equilibrium(format!(
+                "no equilibrium in sliding with {limit}: friction lifts {name} off from {:.6} on; press it on, or lower the \
+                 coefficient",
+                limit.value
+            )),
+        }
+    }
+}
+
+/// The error of a structure that neither springs nor contacts hold, or that contacts hold twice.
+pub(super) fn mechanism() -> Error {
+    Error::equilibrium(
+        "no equilibrium: the structure can move without straining a spring, or its contacts \
+         are redundant; restrain every motion by a stiffness above zero, and only once",
+    )
+}
+
+/// Normal forces beside the place where an equilibrium is lost as friction grows.
+struct Lost {
+    /// The largest part of the friction coefficients with an equilibrium.
+    part: f64,
+    /// Forces there.
+    last: Vec<f64>,
+    /// Forces below.
+    start: Vec<f64>,
+}
+
+/// Looks for the largest part of the friction coefficients, below all of them, at which there are normal forces; `None`
+/// if there are none at any.
+fn lost(exists: impl Fn(f64) -> Option<Vec<f64>>) -> Option<Lost> {
+    const GRID: u32 = 256;
+    let mut below = (0..GRID).rev().map(|i| f64::from(i) / f64::from(GRID));
+    let (known, start) = below.find_map(|part| Some((part, exists(part)?)))?;
+    let [part, _] = bisect(known, 1.0, |part| exists(part).is_some());
+    let last = exists(part).unwrap_or_else(|| start.clone());
+    Some(Lost { part, last, start })
+}
+
+/// The contact whose normal force grows without bound where an equilibrium is lost.
+fn jammed(last: &[f64], start: &[f64]) -> Option<usize> {
+    let grown = last.iter().zip(start).map(|(last, start)| last / start).enumerate();
+    let grown = grown.max_by(|a, b| a.1.total_cmp(&b.1));
+    grown.filter(|&(_, growth)| growth > 1e6).map(|(contact, _)| contact)
+}
+
+/// A friction coefficient that is too large, and its limit.
+struct Limit {
+    friction: f64,
+    /// The largest possible coefficient.
+    value: f64,
+    /// Contacts of different µ share a limit only where they keep their proportions.
+    differ: bool,
+}
+
+impl Limit {
+    fn of(slopes: &[f64], contact: usize, part: f64) -> Self {
+        let friction = slopes.get(contact).map_or(0.0, |slope| slope.abs());
+        let differ = slopes.iter().any(|slope| slope.abs() != friction);
+        Self { friction, value: part * friction, differ }
+    }
+
+    fn jams(&self, name: &str) -> Error {
+        Error::equilibrium(format!(
+            "no equilibrium in sliding with {self}: {name} jams \
+             from {:.6} on, where friction draws it into the slider; \
+             lower the coefficient or turn slider.angle",
+            self.value
+        ))
+    }
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let common = if self.differ { " (and the others in proportion)" } else { "" };
+        write!(f, "a friction coefficient of {}{common}", self.friction)
+    }
+}
