@@ -232,8 +232,8 @@ mod tests {
         network.masses[0].load = [0.0, 3.0];
         network.springs.push(amontons::scene::Spring {
             name: "across".into(),
-            between: [Some(0), None],
-            direction: std::f64::consts::FRAC_PI_2,
+            between: [Some(amontons::scene::Point::Mass(0)), None],
+            direction: amontons::scene::Line::Angle(std::f64::consts::FRAC_PI_2),
             stiffness: 1e4,
             preload: None,
         });
