@@ -152,7 +152,9 @@ pub struct Scene {
     pub experiment: Experiment,
 }
 
-/// Masses, springs and contacts.
+/// Masses, superelements, springs and contacts.
+// A scene has one structure.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Structure {
     /// The paper's ring of modules (section 3 and Fig. 1), each with one contact.

@@ -130,31 +130,31 @@ pub(super) fn check_axes(
 
 /// Reports pairs of points, at least one of them a node, that two contacts join along one normal.
 pub(super) fn check_overlaps(network: &Network, slider: Slider, checks: &mut Checks<'_>) {
-    let mut known: HashMap<(Point, Option<Point>), Vec<(usize, [f64; 3])>> = HashMap::new();
+    let mut known: HashMap<(Point, Option<Point>), Vec<usize>> = HashMap::new();
+    let normal = |contact: usize| network.contacts[contact].directions(slider.angle)[0];
     for (i, contact) in network.contacts.iter().enumerate() {
         let is_node = |point: Point| matches!(point, Point::Node(_));
         if !is_node(contact.mass) && !contact.on.is_some_and(is_node) {
             continue;
         }
-        let [n, _] = contact.directions(slider.angle);
+        let along = |other: &usize| dot(normal(i), normal(*other));
+        let alike = known.get(&(contact.mass, contact.on)).into_iter().flatten();
+        let alike = alike.copied().find(|other| along(other) > 1.0 - ASKEW);
         // The same two points may be named the other way round, with the opposite normal.
         let swapped = contact.on.and_then(|on| known.get(&(on, Some(contact.mass))));
-        let swapped = swapped.into_iter().flatten();
-        let mut swapped = swapped.filter(|(_, other)| dot(n, *other) < ASKEW - 1.0);
-        let swapped = swapped.next().copied();
-        let others = known.entry((contact.mass, contact.on)).or_default();
-        let first = others.iter().find(|(_, other)| dot(n, *other) > 1.0 - ASKEW).copied();
-        if let Some((first, _)) = first.or(swapped) {
-            let other = &network.contacts[first].name;
-            let message = format!(
-                "contacts {other} and {} join the same points along the same normal",
-                contact.name
-            );
-            let point = quoted(&network.point_name(contact.mass));
-            let problem = checks.problem(Owner::Contact(i), "mass", message).of(point);
-            checks.problems.push(problem.help("leave one of them out"));
-        } else {
-            others.push((i, n));
+        let mut swapped = swapped.into_iter().flatten().copied();
+        let first = alike.or_else(|| swapped.find(|other| along(other) < ASKEW - 1.0));
+        match first {
+            None => known.entry((contact.mass, contact.on)).or_default().push(i),
+            Some(first) => {
+                let message = format!(
+                    "contacts {} and {} join the same points along the same normal",
+                    network.contacts[first].name, contact.name
+                );
+                let point = quoted(&network.point_name(contact.mass));
+                let problem = checks.problem(Owner::Contact(i), "mass", message).of(point);
+                checks.problems.push(problem.help("leave one of them out"));
+            }
         }
     }
 }

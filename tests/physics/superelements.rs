@@ -4,7 +4,7 @@ use amontons::assembly;
 use amontons::contact::ContactState;
 use amontons::model::LumpedModel;
 use amontons::scene::{Freedom, Method, Scene, SuperelementMatrices, read};
-use amontons::simulation::Simulation;
+use amontons::simulation::{Simulation, variables};
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
@@ -440,4 +440,67 @@ fn matrices_that_are_no_structure_are_refused() {
     ] {
         assert!(error.contains(words), "{error}");
     }
+}
+
+/// Three nodes of 0.1 kg in a row, along x and y, on springs of 5e6 N/m and 1e6 N/m.
+fn beam() -> SuperelementMatrices {
+    let mut stiffness = vec![0.0; 36];
+    for (left, right) in [(0, 1), (1, 2)] {
+        for (axis, k) in [(0, 5e6), (1, 1e6)] {
+            let [a, b] = [left, right].map(|node| 2 * node + axis);
+            for (i, j, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
+                stiffness[6 * i + j] += sign * k;
+            }
+        }
+    }
+    let mass = (0..36).map(|at| if at % 7 == 0 { 0.1 } else { 0.0 }).collect();
+    let rows = [(1, 1), (1, 2), (2, 1), (2, 2), (3, 1), (3, 2)];
+    SuperelementMatrices::new(freedoms(&rows), mass, stiffness, Vec::new()).unwrap()
+}
+
+#[test]
+fn the_fmu_shows_the_nodes_and_contacts_that_are_chosen_and_no_others() {
+    let page = include_str!("../../docs/scenes/superelements.md");
+    let text = page.split("```toml").nth(1).unwrap().split("```").next().unwrap();
+    let is_of_files = |line: &&str| {
+        !["stiffness = \"", "mass = \"", "freedoms", "damping_ratio"]
+            .iter()
+            .any(|key| line.starts_with(key))
+    };
+    let text: Vec<&str> = text.lines().filter(is_of_files).collect();
+    let text =
+        text.join("\n").replace("name = \"beam\"", "name = \"beam\"\nfile = \"beam.superelement\"");
+    let scene = scene_in("shown", &[("beam", beam())], &text).unwrap();
+    let names = |scene: &Scene| -> Vec<String> {
+        let all = variables(scene).into_iter().map(|variable| variable.name);
+        all.filter(|name| name.contains("beam") || name.contains("lining")).collect()
+    };
+    let node =
+        ["fx", "fy", "x", "y", "vx", "vy"].map(|key| format!("superelement.beam.node[2].{key}"));
+    let contacts = ["1", "3"].into_iter().flat_map(|node| {
+        let keys = ["state", "normal_force", "friction_force", "slip_velocity"];
+        keys.map(|key| format!("contact.lining_{node}.{key}"))
+    });
+    let start =
+        ["x", "y", "vx", "vy"].map(|key| format!("initial.superelement.beam.node[2].{key}"));
+    let expected: Vec<String> = node.into_iter().chain(contacts).chain(start).collect();
+    assert_eq!(names(&scene), expected);
+    let hidden = text.replace("contacts = [\"lining\"]", "contacts = []");
+    let hidden = scene_in("hidden", &[("beam", beam())], &hidden).unwrap();
+    assert!(!names(&hidden).iter().any(|name| name.contains("lining")));
+    let why = hidden.explain_missing("contact.lining_1.state").unwrap();
+    assert_eq!(why.reason, "the scene does not show contact lining_1");
+    // A variable of a node reads and moves its own degree of freedom.
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
+    let all = variables(simulation.scene());
+    let find = |name: &str| all.iter().find(|variable| variable.name == name).unwrap();
+    assert_eq!(simulation.read(find("superelement.beam.node[2].vx")).unwrap(), 0.01);
+    simulation.write(find("superelement.beam.node[2].fy"), 10.0).unwrap();
+    simulation.advance_to(1e-4).unwrap();
+    let y = find("superelement.beam.node[2].y");
+    assert_eq!(simulation.read(y).unwrap(), simulation.displacement()[3]);
+    // ½ (F/m) t² but for the springs, of which two of 1e6 N/m and one of 1e5 N/m hold the node.
+    let free = 0.5 * 10.0 / 0.1 * 1e-8;
+    let moved = simulation.read(y).unwrap();
+    assert!(moved > 0.97 * free && moved < free, "{moved} of {free}");
 }
