@@ -29,6 +29,9 @@ pub enum Shape {
     QuadraticHexahedron,
 }
 
+/// Beginnings of types of elements, and the form for each number of nodes or name that follows.
+type Family = (&'static [&'static str], &'static [(&'static str, Shape)]);
+
 impl Shape {
     /// The number of nodes of a cell.
     #[must_use]
@@ -119,7 +122,7 @@ impl Shape {
             return Ok(None);
         }
         // The letters after the number of nodes choose integration and formulation.
-        let families: [(&[&str], &[(&str, Self)]); 4] = [
+        let families: [Family; 4] = [
             (
                 &["C3D", "AC3D", "DC3D", "SC"],
                 &[
