@@ -438,13 +438,19 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
 /// motion, step by step. A motion without a ledger is advanced without one.
 ///
 /// # Errors
-/// Returns an error if the mass matrix is not positive definite, or if more contacts share masses than the method
-/// takes.
+/// Returns an error if the mass matrix is not positive definite, if more contacts share masses than the method
+/// takes, or if stiffness is not symmetric: the elastic energy of such a model is none.
 pub fn choose_with_ledger(
     model: &LumpedModel,
     method: Method,
 ) -> Result<Box<dyn Integrator>, Error> {
     use forward_increment::WithLedger;
+    if !model.stiffness.is_symmetric() {
+        return Err(Error::scene(
+            "the energy ledger has no entry for the work of circulatory forces, which make the stiffness matrix unsymmetric; \
+             leave out effects.energy",
+        ));
+    }
     if method == Method::EventDriven {
         return Ok(Box::new(EventDriven::with_observer(model, event_driven::Writer::new(model))?));
     }

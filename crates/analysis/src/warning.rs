@@ -21,7 +21,7 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     }
     let critical = critical_step(&LumpedModel::from(scene)).ok()?;
     let (step, relation) = match scene.step {
-        step if step > critical.step && critical.origin == Origin::Bound => {
+        step if step > critical.step && matches!(critical.origin, Origin::Bound | Origin::Alike) => {
             (step, "possibly above the critical step")
         }
         step if step > critical.step => (step, "above the critical step"),
