@@ -69,7 +69,7 @@ pub struct Statistics {
     /// Number of changes from detached to any closed state; no contact force contains their impulses.
     pub touch_downs: u64,
     /// Number of hops after impacts that the event-driven method has ended before they began, since too many landings
-    /// of the same contact came before them in one internal step. Their velocities were below 1.1e-5 of the fastest
+    /// of the same contact, or of a large group that shares masses, came before them in one internal step. Their velocities were below 1.1e-5 of the fastest
     /// one.
     pub ended_hops: u64,
     /// Number of instants within steps at which the states of contacts were decided anew; zero for methods that decide
