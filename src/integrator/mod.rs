@@ -71,7 +71,7 @@ pub struct Statistics {
     /// Number of changes from detached to any closed state; no contact force contains their impulses.
     pub touch_downs: u64,
     /// Number of hops after impacts that the event-driven method has ended before they began, since too many landings
-    /// of the same contact came before them in one internal step. Their velocities were below 1.1e-5 of the fastest
+    /// of the same contact, or of a large group that shares masses, came before them in one internal step. Their velocities were below 1.1e-5 of the fastest
     /// one.
     pub ended_hops: u64,
     /// Number of instants within steps at which the states of contacts were decided anew; zero for methods that decide
@@ -454,8 +454,8 @@ pub struct Records {
 /// change the motion.
 ///
 /// # Errors
-/// Returns an error if the mass matrix is not positive definite, or if more contacts share masses than the method
-/// takes.
+/// Returns an error if the mass matrix is not positive definite, if more contacts share masses than the method
+/// takes, or if a ledger is asked for and the stiffness matrix is not symmetric: such a model has no elastic energy.
 pub fn choose_recording(
     model: &LumpedModel,
     method: Method,
@@ -464,6 +464,12 @@ pub fn choose_recording(
     use event_driven::Writer;
     use forward_increment::WithLedger;
     let Records { ledger, visits } = records;
+    if ledger && !model.stiffness.is_symmetric() {
+        return Err(Error::scene(
+            "the energy ledger has no entry for the work of circulatory forces, which make the stiffness matrix unsymmetric; \
+             leave out effects.energy",
+        ));
+    }
     if method == Method::EventDriven {
         let writer = || Writer::new(model);
         return Ok(match (ledger, visits) {

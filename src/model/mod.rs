@@ -33,11 +33,11 @@ use crate::contact::{ContactLaw, ContactState, Friction};
 pub struct LumpedModel {
     /// Mass matrix M, symmetric positive definite, kg; n × n.
     pub mass: SparseMatrix,
-    /// Stiffness matrix K, symmetric, N/m; n × n.
+    /// Stiffness matrix K, N/m; n × n; symmetric but for circulatory forces.
     pub stiffness: SparseMatrix,
     /// Rayleigh coefficients α and β of C = α M + β K + D.
     pub damping: Damping,
-    /// Matrix D of discrete dampers, symmetric, N s/m; n × n, without entries where there are none.
+    /// Matrix D of discrete dampers, N s/m; n × n, without entries where there are none; symmetric but for gyroscopic forces.
     pub dampers: SparseMatrix,
     /// Constant load F, N; length n.
     pub load: Vec<f64>,

@@ -98,7 +98,9 @@ impl SparseMatrix {
     /// One entry; zero where none is stored.
     #[must_use]
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        self.row(row).find(|entry| entry.0 == column).map_or(0.0, |entry| entry.1)
+        let range = self.offsets[row]..self.offsets[row + 1];
+        let place = self.columns[range.clone()].binary_search(&column);
+        place.map_or(0.0, |place| self.values[range.start + place])
     }
 
     /// The product of a row with a vector, summed from the left.
@@ -106,6 +108,34 @@ impl SparseMatrix {
     #[inline]
     pub fn row_times(&self, row: usize, vector: &[f64]) -> f64 {
         self.row(row).fold(0.0, |sum, (column, value)| sum + value * vector[column])
+    }
+
+    /// `true` if each entry equals the one across the diagonal, but for rounding: 1e-12 of the largest.
+    #[must_use]
+    pub fn is_symmetric(&self) -> bool {
+        let most = self.values.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
+        let is_alike =
+            |(row, column, value): Entry| (value - self.get(column, row)).abs() <= 1e-12 * most;
+        self.entries().all(is_alike)
+    }
+
+    /// The symmetric matrix with `of` the magnitudes of both entries across the diagonal.
+    pub(crate) fn symmetric(&self, of: impl Fn(f64, f64) -> f64) -> Self {
+        let both = self.entries().flat_map(|(row, column, value)| {
+            let found = of(value.abs(), self.get(column, row).abs());
+            let is_first = row <= column || self.get(column, row) == 0.0;
+            let mirrored = (is_first && row != column).then_some((column, row, found));
+            is_first.then_some((row, column, found)).into_iter().chain(mirrored)
+        });
+        Self::from_entries(self.rows(), both.collect())
+    }
+
+    /// ½ (A + Aᵀ), the part of a matrix that its quadratic form has.
+    pub(crate) fn symmetric_part(&self) -> Self {
+        let both = self.entries().flat_map(|(row, column, value)| {
+            [(row, column, 0.5 * value), (column, row, 0.5 * value)]
+        });
+        Self::from_entries(self.rows(), both.collect())
     }
 
     /// `true` if the matrix is large and has few zeros, so that it is laid out for products.

@@ -70,6 +70,8 @@ pub enum Origin {
     },
     /// A norm that no eigenvalue of any contact state exceeds: the true limit is not smaller than the step.
     Bound,
+    /// The states in which all contacts are alike, where there are too many others and no bound is known.
+    Alike,
 }
 
 impl std::fmt::Display for CriticalStep {
@@ -82,6 +84,9 @@ impl std::fmt::Display for CriticalStep {
                     [] => write!(f, "no contacts{mode})"),
                     states => write!(f, "state {}{mode})", JoinedStates(states)),
                 }
+            }
+            Origin::Alike => {
+                write!(f, "{:.4e} s (of the states in which all contacts are alike)", self.step)
             }
             Origin::Bound => write!(f, "at least {:.4e} s (a bound for all states)", self.step),
         }
@@ -106,7 +111,8 @@ pub fn critical_step(model: &LumpedModel) -> Result<CriticalStep, Error> {
             model.contacts.len()
         ))
     })?;
-    Ok(CriticalStep { step, origin: Origin::Bound })
+    let has_bound = model.mass.as_diagonal().is_some();
+    Ok(CriticalStep { step, origin: if has_bound { Origin::Bound } else { Origin::Alike } })
 }
 
 /// A step, s, that is known not to exceed the critical one; `None` where none is known.
@@ -188,9 +194,13 @@ pub(super) fn can_be_enumerated(model: &LumpedModel) -> bool {
     contacts <= MAX_ENUMERATED_CONTACTS && work() <= most
 }
 
-/// `true` if some contact has friction.
+/// `true` if modes may grow or coalesce: some contact has friction, or forces are circulatory or gyroscopic, so that K or D is
+/// not symmetric.
 pub(super) fn has_friction(model: LinearModel<'_>) -> bool {
+    let LumpedModel { stiffness, dampers, .. } = model.model();
     model.friction().any(|friction| friction.coefficient != 0.0)
+        || !stiffness.is_symmetric()
+        || !dampers.is_symmetric()
 }
 
 /// The largest steps of a state's modes, each with `true` if the mode has coalesced.

@@ -89,8 +89,12 @@ pub(super) fn by_schur(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
         precisions.flat_map(|precision| [&both[1], &both[0]].map(|matrix| (matrix, precision)));
     let schur = attempts.find_map(|(matrix, precision)| {
         Schur::try_new(matrix.clone(), precision, 100 * matrix.nrows())
-    })?;
-    Some(schur.complex_eigenvalues().iter().copied().collect())
+    });
+    // Two equal gyroscopic pairs end in a cycle even so.
+    schur.map_or_else(
+        || eigenvalues(both[1].clone()),
+        |schur| Some(schur.complex_eigenvalues().iter().copied().collect()),
+    )
 }
 
 /// A function that finds all eigenvalues.

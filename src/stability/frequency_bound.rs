@@ -1,11 +1,11 @@
 //! Bounds of M̃⁻¹ K̃ and M̃⁻¹ D̃ over all contact states, for models whose states are too many or too large to examine
 //! one by one.
 
-use super::complex::from_polar;
-#[cfg(test)]
-use super::complex::modulus;
+use super::alike_states::{self, AlikeStates};
+use super::complex::{from_polar, modulus};
 use super::oblique_projection::{ContactGroup, groups};
 use crate::model::{LinearModel, LumpedModel, SparseMatrix};
+use crate::numerics::range;
 use nalgebra::Complex;
 
 /// Bounds of the modes of all contact states.
@@ -34,6 +34,15 @@ impl Ellipse {
         let [from, to] = self.foci;
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         middle.abs() + self.stretch * half
+    }
+
+    /// The narrowest ellipse about the real parts of these numbers that encloses all of them; `None` where they have one real part.
+    pub(super) fn around(numbers: &[Complex<f64>]) -> Option<Self> {
+        let foci = range(numbers.iter().map(|s| s.re));
+        let apart = foci[1] - foci[0];
+        let sum = |s: &Complex<f64>| modulus(s - foci[0]) + modulus(s - foci[1]);
+        let longest = numbers.iter().map(sum).fold(apart, f64::max);
+        (apart > 0.0).then_some(Self { foci, stretch: longest / apart })
     }
 
     /// `true` if the ellipse encloses this number, but for rounding.
@@ -82,33 +91,52 @@ pub(super) struct FrequencyBound {
     has_friction: bool,
     /// The groups of contacts that share masses.
     groups: Vec<ContactGroup>,
+    /// What takes the place of all this where the mass matrix is full.
+    alike: Option<AlikeStates>,
 }
 
 impl FrequencyBound {
-    /// The bounds for a model, sharpest near its present µ; `None` for a full mass matrix.
+    /// The bounds for a model, sharpest near its present µ; for a full mass matrix the sizes in [`AlikeStates`], and `None` where
+    /// these are not found.
     pub(super) fn new(linear: LinearModel<'_>) -> Option<Self> {
         let model = linear.model();
-        let mass = model.mass.as_diagonal()?;
+        let Some(mass) = model.mass.as_diagonal() else {
+            let alike = Some(AlikeStates::of(linear)?);
+            let (rows, groups) = (Vec::new(), Vec::new());
+            return Some(Self {
+                rows,
+                dampers: 0.0,
+                foci: None,
+                has_friction: false,
+                groups,
+                alike,
+            });
+        };
+        let alike = None;
         let alone = vec![None; mass.len()];
         let groups = groups(&model.contacts, &mass);
         let rows = collatz_wielandt(&model.stiffness, &mass, &alone, &[]);
         if !model.dampers.is_empty() {
             let dampers = largest(&collatz_wielandt(&model.dampers, &mass, &alone, &[]));
-            return Some(Self { rows, dampers, foci: None, has_friction: false, groups });
+            return Some(Self { rows, dampers, foci: None, has_friction: false, groups, alike });
         }
         let most = largest(&rows);
-        let foci = Some([least(&model.stiffness, &mass, most), most]);
+        let is_symmetric = model.stiffness.is_symmetric();
+        let foci = is_symmetric.then(|| [least(&model.stiffness, &mass, most), most]);
         if let Some(dragged_by) = uncoupled(model) {
             let friction: Vec<f64> =
                 linear.friction().map(|friction| friction.coefficient).collect();
             let rows = collatz_wielandt(&model.stiffness, &mass, &dragged_by, &friction);
-            return Some(Self { rows, dampers: 0.0, foci, has_friction: true, groups });
+            return Some(Self { rows, dampers: 0.0, foci, has_friction: true, groups, alike });
         }
-        Some(Self { rows, dampers: 0.0, foci, has_friction: false, groups })
+        Some(Self { rows, dampers: 0.0, foci, has_friction: false, groups, alike })
     }
 
     /// Ratio of the bound of the discrete dampers to that of the stiffness, s: the same at every µ.
     pub(super) fn dampers_against_stiffness(&self) -> f64 {
+        if let Some(alike) = &self.alike {
+            return alike.dampers_against_stiffness();
+        }
         if self.dampers == 0.0 {
             return 0.0;
         }
@@ -119,6 +147,9 @@ impl FrequencyBound {
     /// The bounds with the model's present µ; `model` is the one they were made for, but for its friction. Infinite
     /// where no bound is known.
     pub(super) fn at(&self, model: LinearModel<'_>) -> Sizes {
+        if let Some(alike) = &self.alike {
+            return alike.at(model);
+        }
         let mu = |contact: usize| model.friction_of(contact).coefficient;
         let square = self.rows.iter().fold(0.0, |largest, &(own, drag, contact)| {
             f64::max(largest, if drag == 0.0 { own } else { own + mu(contact) * drag })
@@ -157,10 +188,10 @@ fn least(stiffness: &SparseMatrix, mass: &[f64], most: f64) -> f64 {
 }
 
 /// An upper bound of the frequencies of modes without friction, rad/s, in any contact state: constraints of contacts
-/// only lower them. `None` for a full mass matrix. The operations are plain and in a fixed order, so the result is the
+/// only lower them. `None` where none is found. The operations are plain and in a fixed order, so the result is the
 /// same double on each machine.
 pub(super) fn frictionless(model: &LumpedModel) -> Option<f64> {
-    let mass = model.mass.as_diagonal()?;
+    let Some(mass) = model.mass.as_diagonal() else { return alike_states::frictionless(model) };
     let rows = collatz_wielandt(&model.stiffness, &mass, &vec![None; mass.len()], &[]);
     Some(largest(&rows).sqrt())
 }
@@ -189,6 +220,9 @@ fn collatz_wielandt(
     dragged_by: &[Option<(usize, usize)>],
     friction: &[f64],
 ) -> Vec<(f64, f64, usize)> {
+    // Of an unsymmetric matrix the larger one of two entries bounds both.
+    let larger = (!matrix.is_symmetric()).then(|| matrix.symmetric(f64::max));
+    let matrix = larger.as_ref().unwrap_or(matrix);
     let row = |dof: usize, d: &[f64]| {
         matrix.row(dof).fold(0.0, |sum, (column, value)| sum + value.abs() * d[column])
     };

@@ -16,6 +16,7 @@
 //! | `symmetry` | equivalent states of a ring; waves in place of the whole ring |
 //! | `spectrum` | the eigenvalues of one contact state, without shapes |
 
+mod alike_states;
 #[cfg(test)]
 mod bound_tests;
 mod complex;

@@ -125,7 +125,7 @@ impl StepGuard {
         }
         let step = self.step;
         Err(Error::step_too_large(match critical.origin {
-            Origin::State { .. } => format!(
+            Origin::State { .. } | Origin::Alike => format!(
                 "integrator.step = {step:e} s is above the critical step, {critical}; \
                  choose a smaller step"
             ),

@@ -8,5 +8,7 @@ mod event_driven;
 mod invariance;
 mod kernels;
 mod scheme;
+mod superelement;
 #[path = "../support/trajectory.rs"]
 mod trajectory;
+mod unsymmetric;

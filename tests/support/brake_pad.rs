@@ -30,6 +30,8 @@ pub struct Size {
     pub modes: usize,
 }
 
+// A test or a benchmark uses one of them.
+#[allow(dead_code)]
 impl Size {
     /// 300 degrees of freedom with 96 contacts.
     pub const LARGE: Self = Self { along: 12, across: 8, modes: 12 };

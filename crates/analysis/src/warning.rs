@@ -21,7 +21,9 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     }
     let critical = critical_step(&LumpedModel::from(scene)).ok()?;
     let (step, relation) = match scene.step {
-        step if step > critical.step && critical.origin == Origin::Bound => {
+        step if step > critical.step
+            && matches!(critical.origin, Origin::Bound | Origin::Alike) =>
+        {
             (step, "possibly above the critical step")
         }
         step if step > critical.step => (step, "above the critical step"),
@@ -195,7 +197,7 @@ fn load_warnings(simulation: &Simulation) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use amontons::scene::{Line, Point, Spring, BUILTIN, Structure, builtin, parse};
+    use amontons::scene::{BUILTIN, Line, Point, Spring, Structure, builtin, parse};
 
     #[test]
     fn stiffnesses_in_newtons_a_millimetre_stand_out_and_the_built_in_scenes_do_not() {

@@ -77,11 +77,13 @@ impl Factors {
     fn eliminate(&mut self) {
         let Self { size, entries, rows, columns, orientation, most, .. } = self;
         let size = *size;
+        (self.rank, *orientation) = (0, 1.0);
+        if size == 0 {
+            return;
+        }
         let most = &mut most[..size];
         let entries = &mut entries[..size * size];
         let largest = max_norm(entries);
-        self.rank = 0;
-        *orientation = 1.0;
         for (most, row) in most.iter_mut().zip(entries.chunks_exact(size)) {
             *most = max_norm(row);
         }

@@ -132,7 +132,8 @@ impl Writer {
     pub(in crate::integrator) fn new(model: &LumpedModel) -> Self {
         let room = || vec![0.0; ORDER * model.dofs()];
         Self {
-            model: model.clone(),
+            // Gyroscopic forces do no work, and the work of the others is a form of the symmetric part.
+            model: LumpedModel { dampers: model.dampers.symmetric_part(), ..model.clone() },
             moved: room(),
             damped: room(),
             wave: vec![0.0; model.dofs()],
