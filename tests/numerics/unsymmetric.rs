@@ -4,12 +4,13 @@
 //! z̈ + i g ż + (k − i p) z = 0, so z = exp(λ t) with λ² + i g λ + k − i p = 0.
 
 use amontons::contact::ContactLaw;
-use amontons::integrator::{Inputs, Ledger, Method, Motion, choose, choose_with_ledger};
+use amontons::integrator::{Inputs, Ledger, Method, Motion, Records, choose, choose_recording};
 use amontons::model::{Damping, LumpedModel, SparseMatrix};
 use amontons::stability::{Spectrum, critical_step};
 use nalgebra::Complex;
 
 const K: f64 = 1e6;
+const LEDGER: Records = Records { ledger: true, visits: false };
 
 fn model(gyroscopic: f64, circulatory: f64) -> LumpedModel {
     let matrix = |diagonal: f64, beside: f64| {
@@ -109,7 +110,7 @@ fn a_critical_step_admits_the_growth_of_the_physics_and_a_thousandth_of_the_freq
 
 #[test]
 fn gyroscopic_forces_do_no_work_and_circulatory_ones_have_no_ledger() {
-    let refused = choose_with_ledger(&model(0.0, 2e4), Method::EventDriven).err().unwrap();
+    let refused = choose_recording(&model(0.0, 2e4), Method::EventDriven, LEDGER).err().unwrap();
     assert!(refused.to_string().contains("circulatory"), "{refused}");
     let mut model = model(300.0, 0.0);
     model.damping.alpha = 5.0;
@@ -120,7 +121,7 @@ fn gyroscopic_forces_do_no_work_and_circulatory_ones_have_no_ledger() {
         let mut motion = Motion::new(vec![1e-3, 0.0], vec![0.0, 0.3], Vec::new());
         motion.ledger = Some(Ledger::new(&model, &reference, &motion));
         let start = motion.ledger.as_ref().unwrap().energy(&model, &motion);
-        let mut integrator = choose_with_ledger(&model, method).unwrap();
+        let mut integrator = choose_recording(&model, method, LEDGER).unwrap();
         let inputs = Inputs::uniform(vec![0.0; 2], 0, 0.0, 0.0);
         integrator.advance(&mut motion, &inputs, step, (0.01 / step).round() as u64).unwrap();
         let energy = motion.ledger.as_ref().unwrap().energy(&model, &motion);
