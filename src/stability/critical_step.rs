@@ -17,7 +17,7 @@
 use super::complex::{from_polar, modulus, root};
 use super::eigenvalues::{Solver, by_schur, eigenvalues};
 use super::frequency_bound::{FrequencyBound, Sizes};
-use super::{damped_step, step_search};
+use super::{alike_states, damped_step, step_search};
 use crate::Error;
 use crate::contact::{ContactState, JoinedStates, all_states};
 use crate::model::{Damping, LinearModel, LumpedModel};
@@ -103,6 +103,9 @@ pub fn critical_step(model: &LumpedModel) -> Result<CriticalStep, Error> {
     if can_be_enumerated(model) {
         return over_all_states(friction);
     }
+    if model.mass.as_diagonal().is_none() {
+        return Ok(CriticalStep { step: alike_states::critical(friction)?, origin: Origin::Alike });
+    }
     let step = bound(friction).ok_or_else(|| {
         Error::step_too_large(format!(
             "no critical step is known for {} contacts with this friction: those that share masses may jam in \
@@ -111,8 +114,7 @@ pub fn critical_step(model: &LumpedModel) -> Result<CriticalStep, Error> {
             model.contacts.len()
         ))
     })?;
-    let has_bound = model.mass.as_diagonal().is_some();
-    Ok(CriticalStep { step, origin: if has_bound { Origin::Bound } else { Origin::Alike } })
+    Ok(CriticalStep { step, origin: Origin::Bound })
 }
 
 /// A step, s, that is known not to exceed the critical one; `None` where none is known.
@@ -159,6 +161,9 @@ pub(super) fn is_reached(
         let mut asked = states_of(model.model()).filter(|states| concerns(states));
         return asked.all(|states| state_reaches(step, model, &states).unwrap_or(false));
     }
+    if model.model().mass.as_diagonal().is_none() {
+        return alike_states::admit(step, model);
+    }
     let bound = FrequencyBound::new(model);
     let sizes = bound.map(|bound| bound.at(model));
     sizes.filter(|sizes| sizes.largest_square().is_finite()).is_some_and(|sizes| {
@@ -183,6 +188,29 @@ fn state_reaches(
     let squares = squares(model, states, eigenvalues)?;
     let mut squares = squares.into_iter().filter(|square| square.im >= 0.0);
     Ok(squares.all(|square| mode_reaches(step, model.model().damping, square)))
+}
+
+/// `true` if a large state admits a step (s). Smaller steps are not examined: with discrete dampers each takes a good part of a
+/// second.
+pub(super) fn state_admits(
+    step: f64,
+    model: LinearModel<'_>,
+    states: &[ContactState],
+) -> Result<bool, Error> {
+    if model.model().dampers.is_empty() {
+        return state_reaches(step, model, states);
+    }
+    model.reduced(states).map_or(Ok(true), |reduced| damped_step::admits(step, &reduced))
+}
+
+/// A step, s, that a large state admits, at most a fifth below the largest one of those that are examined.
+pub(super) fn coarse_limit(model: LinearModel<'_>, states: &[ContactState]) -> Result<f64, Error> {
+    if model.model().dampers.is_empty() {
+        let squares = squares(model, states, eigenvalues)?.into_iter();
+        let limits = squares.map(|square| mode_limit(model.model().damping, square));
+        return Ok(limits.fold(f64::INFINITY, f64::min));
+    }
+    model.reduced(states).map_or(Ok(f64::INFINITY), |reduced| damped_step::coarse_limit(&reduced))
 }
 
 /// `true` if the model's states are few and small enough to examine all of them.

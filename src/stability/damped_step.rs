@@ -37,6 +37,24 @@ pub(super) fn reaches(step: f64, reduced: &ReducedMatrices) -> Result<bool, Erro
     }))
 }
 
+/// `true` if a state admits a step (s); smaller ones are not examined.
+pub(super) fn admits(step: f64, reduced: &ReducedMatrices) -> Result<bool, Error> {
+    let Limits { through_minus_one, friction } = Limits::of(reduced, eigenvalues::eigenvalues)?;
+    let is_below = step <= friction.as_ref().map_or(through_minus_one, |friction| friction.end);
+    Ok(is_below && friction.is_none_or(|friction| friction.admits(step)))
+}
+
+/// The first step (s) that a state admits of the limit of real modes and steps that are each four fifths of the one before.
+pub(super) fn coarse_limit(reduced: &ReducedMatrices) -> Result<f64, Error> {
+    const TRIED: usize = 60;
+    let Limits { through_minus_one, friction } = Limits::of(reduced, eigenvalues::eigenvalues)?;
+    let Some(friction) = friction else { return Ok(through_minus_one) };
+    let mut tried = std::iter::successors(Some(friction.end), |step| Some(0.8 * step)).take(TRIED);
+    tried
+        .find(|step| friction.admits(*step))
+        .ok_or_else(|| Error::step_too_large("no step was found that a contact state admits"))
+}
+
 /// The limits of the step in one contact state.
 struct Limits {
     /// The step at which a mode leaves the unit circle through −1, s.

@@ -1,11 +1,12 @@
 //! Bounds of M̃⁻¹ K̃ and M̃⁻¹ D̃ over all contact states, for models whose states are too many or too large to examine
 //! one by one.
 
-use super::alike_states::{self, AlikeStates};
-use super::complex::{from_polar, modulus};
+use super::alike_states;
+use super::complex::from_polar;
+#[cfg(test)]
+use super::complex::modulus;
 use super::oblique_projection::{ContactGroup, groups};
 use crate::model::{LinearModel, LumpedModel, SparseMatrix};
-use crate::numerics::range;
 use nalgebra::Complex;
 
 /// Bounds of the modes of all contact states.
@@ -34,15 +35,6 @@ impl Ellipse {
         let [from, to] = self.foci;
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         middle.abs() + self.stretch * half
-    }
-
-    /// The narrowest ellipse about the real parts of these numbers that encloses all of them; `None` where they have one real part.
-    pub(super) fn around(numbers: &[Complex<f64>]) -> Option<Self> {
-        let foci = range(numbers.iter().map(|s| s.re));
-        let apart = foci[1] - foci[0];
-        let sum = |s: &Complex<f64>| modulus(s - foci[0]) + modulus(s - foci[1]);
-        let longest = numbers.iter().map(sum).fold(apart, f64::max);
-        (apart > 0.0).then_some(Self { foci, stretch: longest / apart })
     }
 
     /// `true` if the ellipse encloses this number, but for rounding.
@@ -91,34 +83,19 @@ pub(super) struct FrequencyBound {
     has_friction: bool,
     /// The groups of contacts that share masses.
     groups: Vec<ContactGroup>,
-    /// What takes the place of all this where the mass matrix is full.
-    alike: Option<AlikeStates>,
 }
 
 impl FrequencyBound {
-    /// The bounds for a model, sharpest near its present µ; for a full mass matrix the sizes in [`AlikeStates`], and `None` where
-    /// these are not found.
+    /// The bounds for a model, sharpest near its present µ; `None` for a full mass matrix.
     pub(super) fn new(linear: LinearModel<'_>) -> Option<Self> {
         let model = linear.model();
-        let Some(mass) = model.mass.as_diagonal() else {
-            let alike = Some(AlikeStates::of(linear)?);
-            let (rows, groups) = (Vec::new(), Vec::new());
-            return Some(Self {
-                rows,
-                dampers: 0.0,
-                foci: None,
-                has_friction: false,
-                groups,
-                alike,
-            });
-        };
-        let alike = None;
+        let mass = model.mass.as_diagonal()?;
         let alone = vec![None; mass.len()];
         let groups = groups(&model.contacts, &mass);
         let rows = collatz_wielandt(&model.stiffness, &mass, &alone, &[]);
         if !model.dampers.is_empty() {
             let dampers = largest(&collatz_wielandt(&model.dampers, &mass, &alone, &[]));
-            return Some(Self { rows, dampers, foci: None, has_friction: false, groups, alike });
+            return Some(Self { rows, dampers, foci: None, has_friction: false, groups });
         }
         let most = largest(&rows);
         let is_symmetric = model.stiffness.is_symmetric();
@@ -127,16 +104,13 @@ impl FrequencyBound {
             let friction: Vec<f64> =
                 linear.friction().map(|friction| friction.coefficient).collect();
             let rows = collatz_wielandt(&model.stiffness, &mass, &dragged_by, &friction);
-            return Some(Self { rows, dampers: 0.0, foci, has_friction: true, groups, alike });
+            return Some(Self { rows, dampers: 0.0, foci, has_friction: true, groups });
         }
-        Some(Self { rows, dampers: 0.0, foci, has_friction: false, groups, alike })
+        Some(Self { rows, dampers: 0.0, foci, has_friction: false, groups })
     }
 
     /// Ratio of the bound of the discrete dampers to that of the stiffness, s: the same at every µ.
     pub(super) fn dampers_against_stiffness(&self) -> f64 {
-        if let Some(alike) = &self.alike {
-            return alike.dampers_against_stiffness();
-        }
         if self.dampers == 0.0 {
             return 0.0;
         }
@@ -147,9 +121,6 @@ impl FrequencyBound {
     /// The bounds with the model's present µ; `model` is the one they were made for, but for its friction. Infinite
     /// where no bound is known.
     pub(super) fn at(&self, model: LinearModel<'_>) -> Sizes {
-        if let Some(alike) = &self.alike {
-            return alike.at(model);
-        }
         let mu = |contact: usize| model.friction_of(contact).coefficient;
         let square = self.rows.iter().fold(0.0, |largest, &(own, drag, contact)| {
             f64::max(largest, if drag == 0.0 { own } else { own + mu(contact) * drag })

@@ -176,6 +176,14 @@ impl StepGuard {
             before.is_none()
                 || states.iter().zip(&new).any(|(state, is_new)| *is_new && slides(state))
         };
+        // Large models are examined again only where friction has grown.
+        let full = model.model().mass.as_diagonal().is_none() && !can_be_enumerated(model.model());
+        let is_less = |(now, before): (SlidingFriction, &SlidingFriction)| {
+            now.coefficient <= before.coefficient
+        };
+        if full && before.is_some_and(|before| model.friction().zip(before).all(is_less)) {
+            return true;
+        }
         let admit = is_reached((1.0 + ROUNDING) * self.step, model, concerns);
         if admit {
             self.admitted = Some(model.friction().collect());
