@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(states("equilibrium").unwrap(), [Slide, Slide]);
         assert_eq!(states("St").unwrap(), [Stick, Stick]);
         for (name, fault) in [
-            ("contact[3]=St", "did you mean"),
+            ("contact[3]=St", "has no contact and no set of contacts contact[3]"),
             ("pad=St", "there are contact[1], contact[2]"),
             ("contact[1]=St,Sl", "Sl names no state"),
             ("contact[1]=st", "st is not a contact state"),

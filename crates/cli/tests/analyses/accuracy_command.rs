@@ -299,7 +299,7 @@ fn what_makes_no_sense_is_refused_with_what_would() {
     refused(&["set1", "--set", "integrator.step=1e-5"], 2, &["integrator.step", "ladder of steps"]);
     refused(&["set1", "--stop-time", "-1"], 2, &["above zero"]);
     refused(&["set1", "--stop-time", "1e4"], 2, &["--stop-time"]);
-    refused(&["corner", "--set", "friction.coefficient=0.61"], 3, &["contact.wall"]);
+    refused(&["disc_brake", "--set", "friction.coefficient=5"], 3, &["lower_lining jams"]);
     refused(&["set1", "--format", "xml"], 2, &["table", "csv", "json"]);
     assert!(dof_named(&scene("belt", 1.0), "mass.block.x").is_ok());
 }
