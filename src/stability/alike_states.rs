@@ -11,11 +11,14 @@ use super::frequency_bound::{Ellipse, Sizes};
 use super::reduced_problem::check_size;
 use crate::contact::ContactState;
 use crate::decimal::to_significant;
-use crate::model::{LinearModel, LumpedModel, SlidingFriction, SparseMatrix};
+use crate::model::{Contact, LinearModel, LumpedModel, SlidingFriction, SparseMatrix};
 use nalgebra::{Cholesky, Complex, DMatrix};
 
 /// Digits that do not depend on the machine.
 const DIGITS: usize = 6;
+/// Friction beyond the present one for which states are examined ahead, as a part of it, and added to that.
+const ROOM: f64 = 0.1;
+const LEAST_ROOM: f64 = 0.01;
 
 /// The sizes of the modes of the states in which all contacts are alike.
 #[derive(Clone, Debug)]
@@ -48,10 +51,26 @@ impl AlikeStates {
         })
     }
 
+    /// The sizes with somewhat more than the present friction, so that they hold while µ grows a little.
+    pub(super) fn with_room(model: &LumpedModel) -> Option<Self> {
+        let mut rougher = model.clone();
+        let more = |coefficient: f64| (1.0 + ROOM) * coefficient + LEAST_ROOM;
+        for Contact { friction, .. } in &mut rougher.contacts {
+            (friction.kinetic, friction.static_) = (more(friction.kinetic), more(friction.static_));
+        }
+        Self::of(rougher.with_greatest_friction())
+    }
+
+    /// `true` if no contact of this model has more friction than the states that were examined. The model is otherwise the one
+    /// that the sizes were made for.
+    pub(super) fn cover(&self, linear: LinearModel<'_>) -> bool {
+        let is_less = |(now, most): (SlidingFriction, &f64)| now.coefficient <= *most;
+        linear.friction().zip(&self.friction).all(is_less)
+    }
+
     /// The sizes with the friction of this model, which is otherwise the one that they were made for.
     pub(super) fn at(&self, linear: LinearModel<'_>) -> Sizes {
-        let is_less = |(now, most): (SlidingFriction, &f64)| now.coefficient <= *most;
-        if linear.friction().zip(&self.friction).all(is_less) {
+        if self.cover(linear) {
             return self.sizes;
         }
         let unknown = Sizes { square: f64::INFINITY, dampers: f64::INFINITY, ellipse: None };

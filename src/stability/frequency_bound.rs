@@ -101,16 +101,7 @@ impl FrequencyBound {
     pub(super) fn new(linear: LinearModel<'_>) -> Option<Self> {
         let model = linear.model();
         let Some(mass) = model.mass.as_diagonal() else {
-            let alike = Some(AlikeStates::of(linear)?);
-            let (rows, groups) = (Vec::new(), Vec::new());
-            return Some(Self {
-                rows,
-                dampers: 0.0,
-                foci: None,
-                has_friction: false,
-                groups,
-                alike,
-            });
+            return AlikeStates::of(linear).map(Self::of_alike);
         };
         let alike = None;
         let alone = vec![None; mass.len()];
@@ -130,6 +121,26 @@ impl FrequencyBound {
             return Some(Self { rows, dampers: 0.0, foci, has_friction: true, groups, alike });
         }
         Some(Self { rows, dampers: 0.0, foci, has_friction: false, groups, alike })
+    }
+
+    /// The bounds for a model whose µ changes during a run. Those of a full mass matrix hold for somewhat more friction too, since
+    /// they are found anew beyond it, by the eigenvalues of the whole model.
+    pub(super) fn for_changes(model: &LumpedModel) -> Option<Self> {
+        if model.mass.as_diagonal().is_some() {
+            return Self::new(model.with_greatest_friction());
+        }
+        AlikeStates::with_room(model).map(Self::of_alike)
+    }
+
+    fn of_alike(alike: AlikeStates) -> Self {
+        let (rows, groups) = (Vec::new(), Vec::new());
+        let alike = Some(alike);
+        Self { rows, dampers: 0.0, foci: None, has_friction: false, groups, alike }
+    }
+
+    /// `true` if the bounds with the friction of this model are known without eigenvalues.
+    pub(super) fn covers(&self, linear: LinearModel<'_>) -> bool {
+        self.alike.as_ref().is_none_or(|alike| alike.cover(linear))
     }
 
     /// Ratio of the bound of the discrete dampers to that of the stiffness, s: the same at every µ.
