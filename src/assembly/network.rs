@@ -55,21 +55,25 @@ impl Numbering {
     }
 
     /// The displacement of a point along a direction of space, as a combination of degrees of freedom. Those that a node
-    /// does not have stand still.
-    fn along(&self, network: &Network, point: Point, d: [f64; 3]) -> Elongation {
+    /// does not have stand still. Loads are written in every step of some runs, so nothing is allocated.
+    fn along(
+        &self,
+        network: &Network,
+        point: Point,
+        d: [f64; 3],
+    ) -> impl Iterator<Item = (usize, f64)> + use<> {
         let parts = match point {
             Point::Mass(mass) => {
                 let [cos, sin] = direction(network.masses[mass].angle);
-                let parts = [d[0] * cos + d[1] * sin, d[1] * cos - d[0] * sin];
-                self.places[mass].into_iter().zip(parts).collect::<Vec<_>>()
+                let [x, y] = self.places[mass];
+                [(x, d[0] * cos + d[1] * sin), (y, d[1] * cos - d[0] * sin), (None, 0.0)]
             }
-            Point::Node(at) => (1..)
-                .zip(d)
-                .map(|(direction, part)| (self.node(network, at, direction), part))
-                .collect(),
+            Point::Node(at) => {
+                [1, 2, 3].map(|axis: u8| (self.node(network, at, axis), d[usize::from(axis) - 1]))
+            }
         };
         let parts = parts.into_iter().filter(|part| part.1 != 0.0);
-        parts.filter_map(|(dof, part)| Some((dof?, part))).collect()
+        parts.filter_map(|(dof, part)| Some((dof?, part)))
     }
 
     fn node(&self, network: &Network, at: NodeAt, direction: u8) -> Option<usize> {
@@ -78,8 +82,8 @@ impl Numbering {
 
     /// d·(u_a − u_b); an end that is `None` stands still.
     fn elongation(&self, network: &Network, ends: [Option<Point>; 2], d: [f64; 3]) -> Elongation {
-        let [a, b] =
-            ends.map(|end| end.map_or_else(Vec::new, |point| self.along(network, point, d)));
+        let [a, b] = ends
+            .map(|end| end.into_iter().flat_map(|point| self.along(network, point, d)).collect());
         difference(a, b)
     }
 }

@@ -7,7 +7,7 @@ use super::frequency_bound::{FrequencyBound, Sizes};
 use super::step_search::largest;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::{Damping, LinearModel, LumpedModel, SlidingFriction};
+use crate::model::{Contact, Damping, LinearModel, LumpedModel, SlidingFriction};
 
 /// Check of a step against the critical one, repeated as µ and the damping change. A check with unchanged friction and
 /// damping costs nothing. A bound is evaluated first. It costs one pass over the degrees of freedom where contacts
@@ -49,6 +49,10 @@ const MOST_LEFT_OUT: u32 = 63;
 
 /// Rounding may move a limit by this part of itself. A step that is nearer to it is compared with the printed limit.
 const ROUNDING: f64 = 1e-5;
+
+/// Friction beyond the present one for which the states of a full mass matrix are examined ahead, as a part of it, and added to that.
+const ROOM: f64 = 0.1;
+const LEAST_ROOM: f64 = 0.01;
 
 impl StepGuard {
     /// A guard of this step (s) for this model; sharpest near its present µ.
@@ -165,8 +169,33 @@ impl StepGuard {
         suffices
     }
 
+    /// `true` if the states of a model with a full mass matrix admit the step. Each examination takes a good part of a second, so it
+    /// looks ahead to somewhat more friction, and holds for less.
+    fn full_states_admit(&mut self, linear: LinearModel<'_>) -> bool {
+        let is_less = |(now, before): (SlidingFriction, &SlidingFriction)| {
+            now.coefficient <= before.coefficient
+        };
+        let before = self.admitted.as_deref();
+        if before.is_some_and(|before| linear.friction().zip(before).all(is_less)) {
+            return true;
+        }
+        let mut rougher = linear.model().clone();
+        let more = |coefficient: f64| (1.0 + ROOM) * coefficient + LEAST_ROOM;
+        for Contact { friction, .. } in &mut rougher.contacts {
+            (friction.kinetic, friction.static_) = (more(friction.kinetic), more(friction.static_));
+        }
+        let step = (1.0 + ROUNDING) * self.step;
+        let mut models = [rougher.with_greatest_friction(), linear].into_iter();
+        let admitted = models.find(|model| is_reached(step, *model, |_| true));
+        self.admitted = admitted.map(|model| model.friction().collect());
+        admitted.is_some()
+    }
+
     /// `true` if all states admit the step; their friction is then stored.
     fn states_admit(&mut self, model: LinearModel<'_>) -> bool {
+        if model.model().mass.as_diagonal().is_none() && !can_be_enumerated(model.model()) {
+            return self.full_states_admit(model);
+        }
         let before = self.admitted.as_deref();
         let is_new =
             |(i, now): (usize, SlidingFriction)| before.is_none_or(|before| before[i] != now);
@@ -176,14 +205,6 @@ impl StepGuard {
             before.is_none()
                 || states.iter().zip(&new).any(|(state, is_new)| *is_new && slides(state))
         };
-        // Large models are examined again only where friction has grown.
-        let full = model.model().mass.as_diagonal().is_none() && !can_be_enumerated(model.model());
-        let is_less = |(now, before): (SlidingFriction, &SlidingFriction)| {
-            now.coefficient <= before.coefficient
-        };
-        if full && before.is_some_and(|before| model.friction().zip(before).all(is_less)) {
-            return true;
-        }
         let admit = is_reached((1.0 + ROUNDING) * self.step, model, concerns);
         if admit {
             self.admitted = Some(model.friction().collect());

@@ -4,6 +4,8 @@
 //! are not in each other's numbers.
 
 mod architecture;
+#[path = "../support/brake_pad.rs"]
+mod brake_pad;
 #[path = "../support/c.rs"]
 mod c;
 mod no_allocation;

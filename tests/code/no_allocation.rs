@@ -1,8 +1,10 @@
 //! A step, a read and a write allocate nothing.
 #![allow(unsafe_code)]
 
+use crate::brake_pad::{self, Size};
 use crate::c;
-use amontons::scene::{Method, Scene, builtin, parse};
+use amontons::integrator::Statistics;
+use amontons::scene::{Method, Scene, Structure, builtin, parse};
 use amontons::simulation::catalogue::Kind;
 use amontons::simulation::{Simulation, Variable, fingerprint, variables};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -90,24 +92,47 @@ fn steps_reads_and_writes_allocate_nothing() {
     with_ledgers.iter_mut().for_each(|scene| scene.effects.energy = true);
     scenes.append(&mut with_ledgers);
     for scene in scenes {
-        let name = format!("{}, {}, {:?}", scene.name, scene.method, scene.effects);
-        let all = variables(&scene);
-        let mut simulation = Simulation::new(scene, 0.0).unwrap();
-        let before = ALLOCATIONS.get();
-        assert!(before > 0, "the counter does not count");
-        for row in 1..=100_u32 {
-            for variable in all.iter().filter(|variable| variable.is_tunable()) {
-                let value = simulation.read(variable).unwrap();
-                // Preload and µ do change; within the bound of the critical step nothing is solved.
-                simulation.write(variable, value * (1.0 + 1e-9)).unwrap();
-            }
-            simulation.advance_to(f64::from(row) * 1e-4).unwrap();
-            for variable in &all {
-                simulation.read(variable).unwrap();
-            }
-        }
-        assert_eq!(ALLOCATIONS.get() - before, 0, "{name}");
+        assert_allocates_nothing(scene, 1e-4);
     }
+}
+
+#[test]
+fn full_matrices_with_contacts_that_stick_and_open_allocate_nothing() {
+    let size = Size::SMALL;
+    for (method, step) in [(Method::ForwardIncrement, 1e-7), (Method::EventDriven, 1e-5)] {
+        let mut scene = Scene { method, step, ..brake_pad::scene(size, 0.4) };
+        if let Structure::Network(network) = &mut scene.structure {
+            network.superelements[0].velocity[3 * size.contacts()..].fill(0.03);
+        }
+        for energy in [false, true] {
+            scene.effects.energy = energy;
+            let [_, _, sticks, opens] = assert_allocates_nothing(scene.clone(), 1e-5).entered;
+            assert!(sticks > 10 && opens > 10, "{method}: {sticks} {opens}");
+        }
+    }
+}
+
+/// Takes 100 steps of this length (s), each with all writes and reads. The counters at the end.
+#[track_caller]
+fn assert_allocates_nothing(scene: Scene, length: f64) -> Statistics {
+    let name = format!("{}, {}, {:?}", scene.name, scene.method, scene.effects);
+    let all = variables(&scene);
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
+    let before = ALLOCATIONS.get();
+    assert!(before > 0, "the counter does not count");
+    for row in 1..=100_u32 {
+        for variable in all.iter().filter(|variable| variable.is_tunable()) {
+            let value = simulation.read(variable).unwrap();
+            // Preload and µ do change; within the bound of the critical step nothing is solved.
+            simulation.write(variable, value * (1.0 + 1e-9)).unwrap();
+        }
+        simulation.advance_to(f64::from(row) * length).unwrap();
+        for variable in &all {
+            simulation.read(variable).unwrap();
+        }
+    }
+    assert_eq!(ALLOCATIONS.get() - before, 0, "{name}");
+    simulation.statistics()
 }
 
 #[test]

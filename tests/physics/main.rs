@@ -1,10 +1,13 @@
 //! Motions agree with closed forms, obey the law of contact after every step, and keep the balance of energy.
 
+#[path = "../support/brake_pad.rs"]
+mod brake_pad;
 #[path = "../support/disc.rs"]
 mod disc;
 mod effects_scenes;
 mod energy_ledger;
 mod full_mass_matrix;
+mod full_matrices;
 mod gaps;
 mod hard_contact;
 mod hard_energy;

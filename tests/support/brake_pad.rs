@@ -5,8 +5,11 @@
 //! follow them as in statics, plus some modes of the pad with these nodes fixed. The matrices are made by nalgebra, whose last bits
 //! depend on the processor, so the model serves for what a motion obeys and for time, not for digits.
 
-use amontons::contact::{ContactLaw, Friction};
-use amontons::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
+use amontons::model::LumpedModel;
+use amontons::scene::{
+    ContactDefinition, Coordinates, Freedom, ModeAt, Network, NodeAt, Point, Scene, Structure,
+    Superelement, SuperelementMatrices, parse,
+};
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 /// Layers of the lattice above one another.
@@ -43,47 +46,66 @@ impl Size {
     }
 }
 
-/// The pad on a slider that moves along x; contact nodes lie on a slightly curved surface, so that normals and tangents have three
-/// components.
+/// The model of [`scene`].
+#[allow(dead_code)]
 pub fn pad(size: Size, friction: f64) -> LumpedModel {
-    let lattice = Lattice::new(size);
-    let (mass, stiffness, load) = lattice.reduced(size);
-    let contacts = (0..size.contacts()).map(|node| {
-        let (i, j) = (node % size.along, node / size.along);
+    LumpedModel::from(&scene(size, friction))
+}
+
+/// The pad on a slider that moves along x; contact nodes lie on a slightly curved surface, so that normals and tangents have three
+/// components. Contact `i` is that of node `i`, and all coordinates are shown.
+pub fn scene(size: Size, friction: f64) -> Scene {
+    let (mass, stiffness, load) = Lattice::new(size).reduced(size);
+    let count = size.contacts() as u64;
+    let freedom = |node, direction| Freedom { node, direction };
+    let of_nodes = (1..=count).flat_map(|node| [1, 2, 3].map(|axis| freedom(node, axis)));
+    let of_modes = (1..=size.modes as u64).map(|mode| freedom(mode, 0));
+    let by_rows = |matrix: &DMatrix<f64>| matrix.transpose().as_slice().to_vec();
+    let matrices = SuperelementMatrices::new(
+        of_nodes.chain(of_modes).collect(),
+        by_rows(&mass),
+        by_rows(&stiffness),
+        Vec::new(),
+    );
+    let mut pad = Superelement::new("pad", matrices.expect("a structure"));
+    pad.load = load.as_slice().to_vec();
+    let nodes = (1..=count).map(|node| NodeAt { superelement: 0, node });
+    let contacts = nodes.clone().zip(0..).map(|(at, place)| {
+        let (i, j) = (place % size.along, place / size.along);
         let from_middle =
             |at: usize, count: usize| (at as f64 - 0.5 * (count as f64 - 1.0)) / count as f64;
         let (a, b) = (0.05 * from_middle(i, size.along), 0.04 * from_middle(j, size.across));
-        let normal = DVector::from_vec(vec![-a, -b, 1.0]).normalize();
-        let along = DVector::from_vec(vec![1.0, 0.0, 0.0]);
-        let tangent = (&along - &normal * normal.dot(&along)).normalize();
-        let direction = |d: &DVector<f64>| {
-            Direction(
-                (0..3)
-                    .map(|axis| (3 * node + axis, d[axis]))
-                    .filter(|part| part.1 != 0.0)
-                    .collect(),
-            )
-        };
-        Contact {
-            friction: Friction::from(friction),
-            surface_velocity: VELOCITY,
-            ..Contact::new(direction(&normal), direction(&tangent))
+        // The projection of the sliding direction on the plane across the normal.
+        let square = 1.0 + a * a + b * b;
+        ContactDefinition {
+            name: format!("node{}", at.node),
+            set: None,
+            mass: Point::Node(at),
+            on: None,
+            angle: None,
+            axes: Some([[-a, -b, 1.0], [1.0 - a * a / square, -a * b / square, a / square]]),
+            gap: 0.0,
+            velocity: None,
+            friction: None,
+            static_friction: None,
+            is_shown: true,
         }
     });
-    let sparse = |matrix: &DMatrix<f64>| {
-        let n = matrix.nrows();
-        let places = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        SparseMatrix::from_entries(n, places.map(|(i, j)| (i, j, matrix[(i, j)])).collect())
-    };
-    LumpedModel {
-        dampers: SparseMatrix::zero(load.len()),
-        mass: sparse(&mass),
-        stiffness: sparse(&stiffness),
-        damping: Damping { alpha: 20.0, beta: 2e-8 },
-        load: load.as_slice().to_vec(),
+    let modes = (0..size.modes).map(|mode| ModeAt { superelement: 0, mode });
+    let network = Network {
         contacts: contacts.collect(),
-        law: ContactLaw::default(),
-    }
+        shown: Coordinates { nodes: nodes.collect(), modes: modes.collect() },
+        superelements: vec![pad],
+        ..Network::default()
+    };
+    // Text has no matrices: a block takes the place of the pad in it.
+    let text = format!(
+        "[slider]\nvelocity = {VELOCITY:?}\nangle = 0.0\n[friction]\ncoefficient = {friction:?}\n\
+         [damping]\nalpha = 20.0\nbeta = 2e-8\n[integrator]\nstep = 1e-7\n\
+         [[mass]]\nname = \"block\"\nmass = 1.0\n[[contact]]\nname = \"c\"\nmass = \"block\"\n"
+    );
+    let scene = parse("pad", &text).expect("a scene");
+    Scene { structure: Structure::Network(network), ..scene }
 }
 
 struct Lattice {

@@ -260,8 +260,6 @@ impl Run {
     /// If other contacts push a contact that has just begun to slip the wrong way, or press one that has just opened,
     /// its slip or gap is only rounding error at first: shorter steps do not see it. A longer one does, and its motion
     /// is that of the new states from the beginning, without an impact.
-    /// slip or gap is nothing but rounding at first: shorter steps do not see it. A longer one does, and its motion is that of
-    /// the new states from the beginning, without an impact.
     fn turned_at_once(
         &mut self,
         span: &Span,

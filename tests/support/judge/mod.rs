@@ -22,7 +22,6 @@ use amontons::contact::{ContactForce, ContactState, Friction};
 use amontons::integrator::Statistics;
 use amontons::model::{self, LumpedModel};
 use amontons::scene::{Method, Scene, Shape, Signal, Sine, parse};
-use amontons::simulation::catalogue::Quantity;
 use amontons::simulation::{Simulation, Snapshot, Variable, variables, write_scene};
 use nalgebra::{DMatrix, DVector};
 use reduced::residual_under;
@@ -56,7 +55,8 @@ pub struct Run {
     /// Displacements from the equilibrium, m, and velocities, m/s, now and a step before.
     pub now: [DVector<f64>; 2],
     pub before: [DVector<f64>; 2],
-    variables: [Vec<Variable>; 2],
+    /// Names of the degrees of freedom.
+    names: Vec<String>,
     mass: DMatrix<f64>,
     inverse_mass: DMatrix<f64>,
     pub stiffness: DMatrix<f64>,
@@ -121,16 +121,6 @@ impl Run {
         let mut model = LumpedModel::from(&scene);
         let (n, contacts) = (model.dofs(), model.contacts.len());
         let all = variables(&scene);
-        let of = |quantity| -> Vec<Variable> {
-            all.iter().filter(|v| v.template.quantity == quantity).cloned().collect()
-        };
-        // By mass or module, then by axis: the order of the degrees of freedom.
-        let by_dof = |quantity| {
-            let mut found = of(quantity);
-            found.sort_by_key(|variable| (variable.index, variable.template.component));
-            assert_eq!(found.len(), n);
-            found
-        };
         let dense = |m: &model::SparseMatrix| DMatrix::from_fn(n, n, |i, j| m.get(i, j));
         let (mass, stiffness) = (dense(&model.mass), dense(&model.stiffness));
         let damping = &mass * model.damping.alpha
@@ -174,7 +164,6 @@ impl Run {
             assert!((contact.gap + normal.dot(&place) - apart[i]).abs() <= 1e-6 * terms);
         }
         model.count_from(reference);
-        let variables = [by_dof(Quantity::Displacement), by_dof(Quantity::Velocity)];
         let zero = || [DVector::zeros(n), DVector::zeros(n)];
         let mut run = Self {
             simulation,
@@ -193,7 +182,7 @@ impl Run {
             length: scene.step,
             now: zero(),
             before: zero(),
-            variables,
+            names: scene.dof_names(),
             inverse_mass: mass.clone().try_inverse().unwrap(),
             mass,
             stiffness,
@@ -254,17 +243,15 @@ impl Run {
 
     /// The displacement and velocity of a degree of freedom, `mass.block.x`.
     pub fn of_dof(&self, name: &str) -> [f64; 2] {
-        let dof = self.variables[0].iter().position(|variable| variable.name == name).unwrap();
+        let dof = self.names.iter().position(|other| other == name).unwrap();
         [self.now[0][dof], self.now[1][dof]]
     }
 
     /// Reads positions and velocities. The fastest so far, or the slider, is the scale of velocities.
     fn read(&mut self) {
-        for (values, variables) in self.now.iter_mut().zip(&self.variables) {
-            for (value, variable) in values.iter_mut().zip(variables) {
-                *value = self.simulation.read(variable).unwrap();
-            }
-        }
+        let simulation = &self.simulation;
+        let place = [simulation.displacement(), simulation.velocity()];
+        self.now = place.map(DVector::from_column_slice);
         self.scales.velocity = self.scales.velocity.max(self.now[1].amax());
         if self.forgiven > 0.0 {
             self.widen();

@@ -153,7 +153,7 @@ def test_a_strict_instance_refuses_habits_until_it_is_reset(instance, habit):
 
 
 def test_what_was_set_can_be_read_though_there_is_no_equilibrium(instance):
-    """At once, and to find out what was wrong after initialization has failed."""
+    """At once, and to find out what was wrong after initialization has failed: at this angle a contact jams."""
     names = ["module[2].preload", "slider.velocity"]
     one = instance("set1")
     assert one.Set({names[0]: -5e-3}) == fmi2OK

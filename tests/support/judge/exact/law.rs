@@ -69,7 +69,7 @@ impl Run {
         let time = self.time() - self.h() + observation.t;
         let small = LAW + self.exact_drift() + self.forgiven;
         for (i, state) in states.iter().enumerate() {
-            let gap = self.directions.column(2 * i).dot(&observation.place[0]);
+            let gap = self.gap(i, &observation.place[0]);
             let is_off = if *state == Detached { gap < 0.0 } else { true };
             let allowed = small * self.scales.length;
             assert!(!is_off || gap.abs() <= allowed, "contact {i} at {time} s: gap {gap:e} m");
