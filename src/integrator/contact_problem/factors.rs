@@ -184,10 +184,10 @@ fn subtract(row: &mut [f64], factor: f64, above: &[f64]) -> f64 {
     most.into_iter().fold(0.0, larger)
 }
 
-/// Σ a b from the left; of long rows in sums that do not wait for each other.
+/// Σ a b from the left; of more than 64 terms in eight sums that do not wait for each other, which rounds otherwise.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     const SIDE: usize = 8;
-    const LONG: usize = 2 * SIDE;
+    const LONG: usize = 8 * SIDE;
     if a.len() <= LONG {
         return a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
     }
