@@ -116,7 +116,9 @@ impl Problem<'_> {
             .collect();
         let mut system = DMatrix::zeros(n + held.len(), n + held.len());
         for (row, column, value) in self.model.stiffness.entries() {
-            system[(row, column)] = value;
+            // The energy has the symmetric part alone.
+            system[(row, column)] += 0.5 * value;
+            system[(column, row)] += 0.5 * value;
         }
         for (place, other) in held.iter().enumerate() {
             for &(dof, part) in &self.model.contacts[*other].normal.0 {
