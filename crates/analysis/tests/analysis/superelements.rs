@@ -77,6 +77,9 @@ fn the_equation_of_an_orbit_has_circulatory_and_gyroscopic_forces_as_the_run_doe
 
 /// Node 2 is shown alone, so its x is the first variable and the third degree of freedom.
 const SECOND_SHOWN: &str = "
+[damping]
+alpha = 20.0
+beta = 0.0
 [outputs]
 nodes = [\"s.2\"]
 [[initial]]
