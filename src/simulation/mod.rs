@@ -600,6 +600,15 @@ fn are_finite(values: &[f64]) -> bool {
     values.iter().fold(0, |any, value| any | (value * 0.0).to_bits()) << 1 == 0
 }
 
+/// The degree of freedom whose displacement or velocity a variable is; `None` for variables of other quantities.
+#[must_use]
+pub fn dof_of(scene: &Scene, variable: &Variable) -> Option<usize> {
+    matches!(variable.template.quantity, Quantity::Displacement | Quantity::Velocity).then(|| {
+        let numbering = scene.network().map(Numbering::of).unwrap_or_default();
+        dof(scene, &numbering, variable)
+    })
+}
+
 /// The degree of freedom to which a variable belongs.
 fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
     let (index, component) = (variable.index, variable.template.component);

@@ -73,7 +73,7 @@ pub fn left_out(log: &VisitLog) -> Option<String> {
     })
 }
 
-/// Reads the patterns that [`write`] has written for a scene with these contacts. Columns may be in any order, and only those of
+/// Reads the patterns that [`write`] has written for a scene with these contacts, and returns the longest first. Columns may be in any order, and only those of
 /// the contacts and `share` are needed.
 ///
 /// # Errors
@@ -137,8 +137,13 @@ fn parse(text: &str, scene: &Scene) -> Result<Vec<Pattern>, String> {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let entered = entered? as u64;
         let visit = Visit { states, time: time?, entered, first: first? };
-        patterns.push(Pattern { visit, share: number(Some(share))? });
+        let share = number(Some(share))?;
+        if !(0.0..=1.0).contains(&share) {
+            return Err(format!("line {line}: the share {share:?} is not from 0 to 1"));
+        }
+        patterns.push(Pattern { visit, share });
     }
+    patterns.sort_by(|a, b| b.share.total_cmp(&a.share));
     Ok(patterns)
 }
 
@@ -188,6 +193,7 @@ mod tests {
             ("share,contact[1],contact[2]\n1,Sl\n", "line 2: there are 2 values for 3 columns"),
             ("share,contact[1],contact[2]\n1,Sl,sl\n", "line 2: sl is not a contact state"),
             ("share,contact[1],contact[2]\nx,Sl,Sl\n", "line 2: x is no number"),
+            ("share,contact[1],contact[2]\n2,Sl,Sl\n", "line 2: the share 2.0 is not from 0 to 1"),
         ];
         for (text, fault) in faults {
             let found = parse(text, &scene).unwrap_err();

@@ -476,11 +476,11 @@ impl Flow {
     }
 }
 
-/// Subtracts a column of a symmetric matrix, times a factor.
+/// Subtracts a column of a matrix, times a factor.
 fn subtract_column(force: &mut [f64], matrix: &SparseMatrix, column: usize, factor: f64) {
     if factor != 0.0 && !matrix.is_empty() {
-        for (row, value) in matrix.row(column) {
-            force[row] -= factor * value;
+        for (row, force) in force.iter_mut().enumerate() {
+            *force -= factor * matrix.get(row, column);
         }
     }
 }

@@ -46,11 +46,10 @@ pub use multipliers::{Multipliers, multipliers};
 pub use search::{NoOrbit, Start, search};
 pub use signals::check_signals;
 
-use crate::assign::assign;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::integrator::{Event, Motion};
-use amontons::scene::{Method, Scene, Selection};
+use amontons::scene::{Method, Scene, Selection, Structure};
 use amontons::simulation::Simulation;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -201,7 +200,32 @@ impl OrbitStart {
     /// # Errors
     /// Returns an error if the scene cannot have these initial values.
     pub fn give_start(&self, scene: &mut Scene) -> Result<(), Error> {
-        self.initial_values(scene).iter().try_for_each(|(name, value)| assign(scene, name, *value))
+        let mut values = self.displacement.iter().copied().zip(self.velocity.iter().copied());
+        let mut start = |displacement: &mut f64, velocity: &mut f64| {
+            if let Some(value) = values.next() {
+                (*displacement, *velocity) = value;
+            }
+        };
+        match &mut scene.structure {
+            Structure::Ring(modules) => {
+                for module in modules {
+                    let places = module.displacement.iter_mut().zip(&mut module.velocity);
+                    places.for_each(|(x, v)| start(x, v));
+                }
+            }
+            Structure::Network(network) => {
+                for mass in &mut network.masses {
+                    let places = mass.displacement.iter_mut().zip(&mut mass.velocity);
+                    let free = places.zip(mass.locked).filter(|(_, locked)| !locked);
+                    free.for_each(|((x, v), _)| start(x, v));
+                }
+                for one in &mut network.superelements {
+                    let places = one.displacement.iter_mut().zip(&mut one.velocity);
+                    places.for_each(|(x, v)| start(x, v));
+                }
+            }
+        }
+        scene.check()
     }
 
     /// Runs the scene from its initial values over one period, event-driven, from time 0 on. Returns the difference from
@@ -238,20 +262,5 @@ impl OrbitStart {
         };
         let place = difference(&motion.displacement, &self.displacement, size);
         place.max(difference(&motion.velocity, &self.velocity, size * TAU / self.period))
-    }
-
-    fn initial_values(&self, scene: &Scene) -> Vec<(String, f64)> {
-        let velocity_of = |name: &str| match name.rsplit_once('.') {
-            Some((module, key)) if module.starts_with("module[") => {
-                format!("initial.{module}.{}", key.replace('x', "v"))
-            }
-            Some((mass, key)) => format!("initial.{mass}.v{key}"),
-            None => format!("initial.{name}"),
-        };
-        let names = scene.dof_names();
-        let places = names.iter().zip(&self.displacement);
-        let places = places.map(|(name, value)| (format!("initial.{name}"), *value));
-        let speeds = names.iter().zip(&self.velocity);
-        places.chain(speeds.map(|(name, value)| (velocity_of(name), *value))).collect()
     }
 }

@@ -116,7 +116,9 @@ impl Problem<'_> {
             .collect();
         let mut system = DMatrix::zeros(n + held.len(), n + held.len());
         for (row, column, value) in self.model.stiffness.entries() {
-            system[(row, column)] = value;
+            // The energy has the symmetric part alone.
+            system[(row, column)] += 0.5 * value;
+            system[(column, row)] += 0.5 * value;
         }
         for (place, other) in held.iter().enumerate() {
             for &(dof, part) in &self.model.contacts[*other].normal.0 {
@@ -302,6 +304,15 @@ output_interval = 1.0e-3
         let closes = 0.5 * along * gap * gap;
         assert!((needs(ContactState::ReverseSlide) - closes).abs() < 1e-12 * closes);
         assert_eq!(needs(ContactState::Detached), 0.0);
+        // A circulatory part has no energy.
+        let mut model = here.model().clone();
+        let circulatory = [(0, 1, 150.0), (1, 0, -150.0)];
+        let entries = model.stiffness.entries().chain(circulatory).collect();
+        model.stiffness = SparseMatrix::from_entries(2, entries);
+        let (inverse, damping) = (DMatrix::identity(2, 2), DMatrix::zeros(2, 2));
+        let problem = Problem { model: &model, inverse, damping };
+        let found = problem.closing(0, here.equilibrium().unwrap()).unwrap();
+        assert!((found - closes).abs() < 1e-12 * closes, "{found} {closes}");
         // To stick it needs the velocity of the belt, too: ½ 2 kg (0.3 m/s)².
         assert!((needs(ContactState::Stick) - closes.max(0.09)).abs() < 1e-12);
     }

@@ -508,8 +508,9 @@ fn stable_rest(scene: &Scene) -> Option<Vec<ContactState>> {
     if !scene.signals.is_empty() || EventDriven::new(&model).is_err() {
         return None;
     }
-    let states = Linearised::of(scene).resting_state();
-    let spectrum = Spectrum::of(model.linear().ok()?, &states).ok()?;
+    let here = Linearised::of(scene);
+    let states = here.resting_state();
+    let spectrum = Spectrum::of(here.linear().ok()?, &states).ok()?;
     (spectrum.growth_rate() < 0.0).then_some(states)
 }
 

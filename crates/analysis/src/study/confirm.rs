@@ -154,8 +154,8 @@ fn pushes(least: f64, scene: &Scene) -> Vec<f64> {
 }
 
 /// The velocities of the candidate's growing mode, the largest 1, in the sense that brings contacts into the state: along
-/// the surface's velocity where they are to stick, off the surface where they are to open. `None` where the mode does not
-/// grow here.
+/// the surface's velocity where they are to stick, off the surface where they are to open, and towards it where those that
+/// are open at rest are to close. `None` where the mode does not grow here.
 fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, Error> {
     let here = Linearised::of(scene);
     let found = modes(here.linear()?, &candidate.states)?;
@@ -166,17 +166,23 @@ fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, E
         .min_by(|a, b| miss(a.frequency_hz()).total_cmp(&miss(b.frequency_hz())));
     let Some(mode) = mode else { return Ok(None) };
     let mut along: Vec<f64> = mode.shape.iter().map(|part| part.re).collect();
-    let contacts = || here.model().contacts.iter().zip(&candidate.states);
+    let resting = here.resting_state();
+    let contacts = || here.model().contacts.iter().zip(&resting).zip(&candidate.states);
     let inwards: f64 = contacts()
-        .map(|(contact, state)| match state {
-            ContactState::Detached => contact.normal.dot(&along),
+        .map(|((contact, at_rest), state)| match (at_rest, state) {
+            (ContactState::Detached, ContactState::Detached) => 0.0,
+            (ContactState::Detached, _) => -contact.normal.dot(&along),
+            (_, ContactState::Detached) => contact.normal.dot(&along),
             _ => contact.tangent.dot(&along) * contact.surface_velocity.signum(),
         })
         .sum();
     if inwards < 0.0 {
         along.iter_mut().for_each(|part| *part = -*part);
     }
-    for (contact, _) in contacts() {
+    for ((contact, at_rest), _) in contacts() {
+        if *at_rest == ContactState::Detached {
+            continue;
+        }
         // A push into the surface is none.
         let into = contact.normal.dot(&along);
         if into < 0.0 {

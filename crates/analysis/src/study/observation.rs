@@ -2,7 +2,7 @@
 
 use super::drive::last_edge;
 pub(super) use crate::sweep::observed::{ROWS_A_PERIOD, frequencies};
-pub use crate::sweep::observed::{output, unit};
+pub use crate::sweep::observed::{displacements, first_displacement, output, unit};
 use amontons::Error;
 use amontons::error::Short;
 use amontons::integrator::EventDriven;
@@ -66,9 +66,7 @@ impl ObservationSettings {
     pub fn of(scene: &Scene, request: &ObservationRequest<'_>) -> Result<Self, Error> {
         let of = match request.of {
             Some(name) => output(scene, name)?.name,
-            None => scene.dof_names().into_iter().next().ok_or_else(|| {
-                Error::scene(format!("{} has no degree of freedom to observe", scene.name))
-            })?,
+            None => first_displacement(scene)?,
         };
         let frequencies = frequencies(scene);
         let needed = frequencies.map(|[_, fastest]| round_down(1.0 / (ROWS_A_PERIOD * fastest)));

@@ -4,8 +4,8 @@ use crate::stability::Linearised;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::scene::{Scene, Signal, did_you_mean};
-use amontons::simulation::catalogue::{Causality, Kind};
-use amontons::simulation::{Variable, variables};
+use amontons::simulation::catalogue::{Causality, Kind, Quantity};
+use amontons::simulation::{Variable, dof_of, variables};
 use amontons::stability::{Spectrum, highest_frequency};
 use std::f64::consts::TAU;
 
@@ -32,6 +32,35 @@ pub fn output(scene: &Scene, name: &str) -> Result<Variable, Error> {
     let help =
         meant.unwrap_or_else(|| "`amontons simulate` writes the outputs as columns".to_owned());
     Err(Error::argument(format!("{} has no output {name}; {help}", scene.name)))
+}
+
+/// The displacements that are outputs, in the order of variables. Of a superelement only the nodes and modes that
+/// `[outputs]` shows have some.
+///
+/// # Errors
+/// Returns an error if the scene shows none.
+pub fn displacements(scene: &Scene) -> Result<Vec<Variable>, Error> {
+    let is_displacement =
+        |variable: &Variable| variable.template.quantity == Quantity::Displacement;
+    let found: Vec<Variable> = variables(scene).into_iter().filter(is_displacement).collect();
+    if found.is_empty() {
+        return Err(Error::scene(format!(
+            "{} shows no displacement that can be followed: name nodes or modes in its [outputs], such as \
+             nodes = [\"pad.17\"]",
+            scene.name
+        )));
+    }
+    Ok(found)
+}
+
+/// The name of the displacement with which the degrees of freedom that are shown begin.
+///
+/// # Errors
+/// Returns the error of [`displacements`].
+pub fn first_displacement(scene: &Scene) -> Result<String, Error> {
+    let shown = displacements(scene)?;
+    let first = shown.into_iter().min_by_key(|variable| dof_of(scene, variable));
+    Ok(first.map(|variable| variable.name).unwrap_or_default())
 }
 
 /// The unit of an output.

@@ -11,5 +11,6 @@ mod orbits;
 #[path = "../../../../tests/support/quadratic.rs"]
 mod quadratic;
 mod stability_monitor;
+mod superelements;
 mod two_contacts_on_one_mass;
 mod verdicts;

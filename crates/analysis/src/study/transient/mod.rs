@@ -30,7 +30,7 @@ pub use open::OpenQuestion;
 pub use stretches::{StateInterval, StateTimeline};
 
 use super::basis::scheme_step;
-use super::observation::{ROWS_A_PERIOD, frequencies, output};
+use super::observation::{ROWS_A_PERIOD, displacements, frequencies, output};
 use super::{Watch, unit};
 use crate::record::record_rows;
 use crate::spectral::Spectrogram;
@@ -42,7 +42,7 @@ use amontons::error::Short;
 use amontons::model::LumpedModel;
 use amontons::scene::{Experiment, Scene};
 use amontons::simulation::catalogue::Quantity;
-use amontons::simulation::{Simulation, Variable, variables};
+use amontons::simulation::{Simulation, Variable, dof_of};
 use amontons::stability::highest_frequency;
 use linear::{Follower, Observed};
 use serde::Serialize;
@@ -157,7 +157,7 @@ pub fn transient(
     let mut record = Record::of(outputs, &simulation, interval);
     let ended = record.run(&mut simulation, experiment, watch);
     let (output, history) = record.most_moving();
-    let found = record.follower.found(observed(scene, &output.name));
+    let found = record.follower.found(observed(scene, &output));
     let states = record.states;
     let end = interval * history.len().saturating_sub(1) as f64;
     let rest = open::unexplained(&found.explained, end, growth::dominant(&history, interval));
@@ -190,12 +190,10 @@ pub fn transient(
 
 /// The output of that name, or all displacements.
 fn outputs(scene: &Scene, of: Option<&str>) -> Result<Vec<Variable>, Error> {
-    let Some(name) = of else {
-        let is_displacement =
-            |variable: &Variable| variable.template.quantity == Quantity::Displacement;
-        return Ok(variables(scene).into_iter().filter(is_displacement).collect());
-    };
-    Ok(vec![output(scene, name)?])
+    match of {
+        Some(name) => Ok(vec![output(scene, name)?]),
+        None => displacements(scene),
+    }
 }
 
 /// Time between two values of a run, s: the longest whole part (1/1, 1/2, 1/3, …) of an output interval of which
@@ -230,15 +228,9 @@ fn highest(scene: &Scene) -> Option<f64> {
 }
 
 /// The degree of freedom whose displacement or velocity an output is.
-fn observed(scene: &Scene, output: &str) -> Option<Observed> {
-    [(Quantity::Displacement, false), (Quantity::Velocity, true)].into_iter().find_map(
-        |(quantity, is_velocity)| {
-            let all = variables(scene);
-            let mut all = all.iter().filter(|variable| variable.template.quantity == quantity);
-            let dof = all.position(|variable| variable.name == output)?;
-            Some(Observed { dof, is_velocity })
-        },
-    )
+fn observed(scene: &Scene, output: &Variable) -> Option<Observed> {
+    let is_velocity = output.template.quantity == Quantity::Velocity;
+    Some(Observed { dof: dof_of(scene, output)?, is_velocity })
 }
 
 /// The contacts as the FMU names them.

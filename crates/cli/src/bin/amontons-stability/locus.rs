@@ -174,8 +174,8 @@ impl Family<'_> {
             here.equilibrium_in(&states).map(|_| ())
         };
         let equilibrium = equilibrium_ranges(&has_equilibrium, self.values);
-        let falls = !scene.contact_law().friction.info().is_constant();
-        if falls && equilibrium != [[self.values[0], self.values[self.values.len() - 1]]] {
+        let needs_all = here(self.values[0])?.model().needs_equilibrium();
+        if needs_all && equilibrium != [[self.values[0], self.values[self.values.len() - 1]]] {
             return Err(self.explain_missing_slopes(&equilibrium, has_equilibrium));
         }
         let done = |done: usize, all: usize| progress(done as f64 / all as f64);
@@ -199,8 +199,12 @@ impl Family<'_> {
             None => String::new(),
         };
         let name = self.name;
+        let what = match self.given.scene.contact_law().friction.info().is_constant() {
+            true => "friction across the sliding",
+            false => "friction that depends on the slip velocity",
+        };
         Failure::Usage(format!(
-            "friction that depends on the slip velocity is linearised about an equilibrium, which is missing for some \
+            "{what} is linearised about an equilibrium, which is missing for some \
              values of {name}{why}{wish}"
         ))
     }

@@ -26,6 +26,12 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
         let files = [Some(Path::new(&arguments.scene)), arguments.input.as_deref()];
         check_inputs_stay(output, &files.into_iter().flatten().collect::<Vec<_>>())?;
     }
+    if arguments.patterns.is_some() && arguments.patterns == arguments.output {
+        return Err(amontons::Error::argument(
+            "--patterns and -o name one file: give each a name of its own",
+        )
+        .into());
+    }
     if let Some((name, values)) = &arguments.sweep {
         return sweep::run(arguments, (scene, &source), experiment, name, &values.0);
     }

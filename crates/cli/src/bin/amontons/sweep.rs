@@ -4,9 +4,10 @@ use crate::arguments::Simulate;
 use crate::simulate::is_broken_pipe;
 use amontons::scene::{Experiment, Scene, Source};
 use amontons::selection::resolve;
+use amontons::simulation::dof_of;
 use amontons_analysis::journal::Journal;
 use amontons_analysis::output::AtomicFile;
-use amontons_analysis::sweep::observed::output;
+use amontons_analysis::sweep::observed::{displacements, output};
 use amontons_analysis::sweep::{ENERGIES, Possible, Summary, UnsettledReason, View, sweep};
 use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::{Interrupted, watched};
@@ -40,11 +41,15 @@ pub fn run(
     if arguments.set.iter().any(|(set, _)| set == name) {
         eprintln!("note: {name} takes the values of --sweep, not that of --set");
     }
-    let names = match &arguments.of {
-        Some(name) => vec![name.clone()],
-        None => scene.dof_names(),
+    let outputs = match &arguments.of {
+        Some(name) => vec![output(scene, name)?],
+        None => {
+            let mut shown = displacements(scene)?;
+            shown.sort_by_key(|variable| dof_of(scene, variable));
+            shown
+        }
     };
-    let outputs = names.iter().map(|name| output(scene, name)).collect::<Result<_, _>>()?;
+    let names: Vec<String> = outputs.iter().map(|output| output.name.clone()).collect();
     let window = arguments.window.unwrap_or(scene.experiment.stop_time / 4.0);
     let view = View { outputs, window };
     let work =

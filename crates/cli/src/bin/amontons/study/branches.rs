@@ -5,10 +5,12 @@ use super::folder::{Folder, STUDY, quoted};
 use super::orbit::{named_ends, read, words};
 use super::{heading, prepared, watched_unevenly};
 use amontons::scene::{Scene, Source};
+use amontons::simulation::dof_of;
 use amontons_analysis::orbit::{Branch, BranchEnd, BranchPoint, SpecialKind, SpecialPoint};
 use amontons_analysis::study::{
     BranchQuestion, Branches, Continuation, From, RestBranch, branches, initial_value,
 };
+use amontons_analysis::sweep::observed::{displacements, first_displacement};
 use amontons_analysis::sweep::{FRICTION, range};
 use amontons_cli::charts::branches::{chart, kind};
 use amontons_cli::say;
@@ -58,14 +60,16 @@ fn parameter(text: &str) -> Result<(String, [f64; 2]), String> {
 pub fn run(arguments: &BranchesArguments) -> Result<(), Box<dyn Error>> {
     let BranchesArguments { common, options, parameter: (name, range), .. } = arguments;
     let (scene, source, observation) = prepared(common, options)?;
-    let of = scene.dof_names().iter().position(|dof| *dof == observation.of);
-    let dof = of.ok_or_else(|| {
-        amontons::Error::argument(format!(
+    let shown = displacements(&scene)?;
+    let of = shown.iter().find(|shown| shown.name == observation.of);
+    let Some(dof) = of.and_then(|shown| dof_of(&scene, shown)) else {
+        return Err(amontons::Error::argument(format!(
             "{} is no displacement; the amplitude of a branch is that of a displacement, such as {}",
             observation.of,
-            scene.dof_names()[0]
+            first_displacement(&scene)?
         ))
-    })?;
+        .into());
+    };
     if name.starts_with("initial.") {
         let message = format!(
             "periodic motions do not depend on initial values such as {name}; choose a parameter, such as \
