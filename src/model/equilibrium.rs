@@ -295,8 +295,8 @@ fn has_no_negative_energy(stiffness: &SparseMatrix, n: usize) -> bool {
     let own: Vec<f64> = (0..n).map(|row| lower[row * n + row]).collect();
     for row in 0..n {
         for column in 0..=row {
-            let known = (0..column)
-                .fold(0.0, |sum, k| sum + lower[row * n + k] * lower[column * n + k]);
+            let known =
+                (0..column).fold(0.0, |sum, k| sum + lower[row * n + k] * lower[column * n + k]);
             let rest = lower[row * n + column] - known;
             let pivot = lower[column * n + column];
             lower[row * n + column] = if row == column {
