@@ -16,7 +16,7 @@ const NOTHING: f64 = 1e-13;
 /// be differences of large numbers.
 const WEAK: f64 = 1e-6;
 /// Largest number of contacts of which all patterns are tried.
-const MOST_TRIED: usize = 10;
+pub(super) const MOST_TRIED: usize = 10;
 /// Values of a solution below this part of its largest are rounding.
 const ROUNDING: f64 = 1e-10;
 
@@ -265,10 +265,27 @@ pub(super) enum Others {
 }
 
 impl Complementarity {
-    /// The contacts that are closed in a solution; `None` if none is found.
+    /// The contacts that are closed in a solution; `None` if none is found, which proves that there is none only where
+    /// all patterns are tried ([`MOST_TRIED`]).
     pub(super) fn closed(&self) -> Option<Vec<bool>> {
         let found = self.pivoted(|_| 1.0);
-        found.or_else(|| self.patterns()?.find(|closed| self.forces(closed).is_some()))
+        // Friction can end the algorithm before it finds a solution; another covering vector takes another way.
+        found.or_else(|| match self.patterns() {
+            Some(mut patterns) => patterns.find(|closed| self.forces(closed).is_some()),
+            None => self.pivoted_by_covers().next(),
+        })
+    }
+
+    /// The closed contacts of the solutions that are found from several covering vectors.
+    fn pivoted_by_covers(&self) -> impl Iterator<Item = Vec<bool>> + '_ {
+        let covers = (0..COVERS).map(|cover| {
+            move |place: usize| {
+                // Weights from 1/8 to 8 in an order that differs from cover to cover.
+                let turn = (place * (2 * cover + 1) + cover) % 7;
+                [1.0, 8.0, 0.125, 4.0, 0.25, 2.0, 0.5][turn]
+            }
+        });
+        covers.filter_map(|cover| self.pivoted(cover))
     }
 
     /// What is known of solutions whose closed contacts are others than these. Contacts that carry no force and have no
@@ -291,14 +308,7 @@ impl Complementarity {
             }
             return none;
         }
-        let covers = (0..COVERS).map(|cover| {
-            move |place: usize| {
-                // Weights from 1/8 to 8 in an order that differs from cover to cover.
-                let turn = (place * (2 * cover + 1) + cover) % 7;
-                [1.0, 8.0, 0.125, 4.0, 0.25, 2.0, 0.5][turn]
-            }
-        });
-        let mut found = covers.filter_map(|cover| self.pivoted(cover));
+        let mut found = self.pivoted_by_covers();
         found.find(differs).map_or(Others::Unknown, Others::Closed)
     }
 

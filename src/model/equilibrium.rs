@@ -3,7 +3,7 @@
 use super::banded::{self, Singular};
 use super::closing::{Condensed, Others, Unheld};
 use super::missing::mechanism;
-use super::{Contact, Entry, LumpedModel, ring};
+use super::{Contact, Entry, LumpedModel, SparseMatrix, ring};
 use crate::Error;
 use crate::contact::ContactState;
 use serde::{Deserialize, Serialize};
@@ -99,10 +99,13 @@ impl LumpedModel {
         name: &dyn Fn(usize) -> String,
     ) -> Result<Equilibrium, Error> {
         if self.dofs() > MOST_DENSE {
-            let found = self.solve(slopes, &self.load);
-            return self
-                .equilibrium_by_turns(slopes)
-                .ok_or_else(|| self.explain_pulling(slopes, &found, name));
+            return self.equilibrium_by_turns(slopes).ok_or_else(|| {
+                Error::equilibrium(format!(
+                    "no equilibrium in sliding was found: of a structure with more than {MOST_DENSE} degrees of freedom the \
+                     contacts are opened and closed in turn, and this does not end; reduce the structure to at most \
+                     {MOST_DENSE}, lower the friction coefficient, or press the contacts on",
+                ))
+            });
         }
         let condensed = Condensed::new(self);
         let problem = condensed.with_friction(slopes).map_err(|Unheld| mechanism())?;
@@ -111,8 +114,9 @@ impl LumpedModel {
                 let found = self.with_closed(&closed, slopes).map_err(|Singular| mechanism())?;
                 found.ok_or_else(|| {
                     Error::equilibrium(
-                        "no equilibrium: the contacts that the load closes cannot be told from those that it opens, since \
-                         the stiffnesses of the structure differ too much; bring them nearer to each other",
+                        "no equilibrium: the contacts that the load closes cannot be told from those that it opens within \
+                         rounding; stiffnesses that differ too much, or contacts that hold the same motion twice, do this: \
+                         leave such contacts out, or bring the stiffnesses nearer to each other",
                     )
                 })
             }
@@ -165,12 +169,12 @@ impl LumpedModel {
         Ok(Some(found))
     }
 
-    /// What is known of other equilibria than this one, in which other contacts are closed. Contacts that can open are
-    /// examined; the others have one equilibrium.
+    /// Other equilibria than this one, in which other contacts are closed, as far as they are known. Contacts that can
+    /// open are examined; the others have one equilibrium.
     ///
-    /// Without friction there is one if K is symmetric. With friction there is one if it is weak enough (the symmetric part of the matrix
-    /// of the complementarity problem is positive definite). Of up to ten contacts all patterns are tried, of more
-    /// some.
+    /// Without friction there is one if K is symmetric and has no negative eigenvalue. With friction there is one if it is
+    /// weak enough (the symmetric part of the matrix of the complementarity problem is positive definite). Of up to ten
+    /// contacts all patterns are tried, of more some.
     #[must_use]
     pub fn uniqueness(&self, found: &Equilibrium) -> Uniqueness {
         let slopes: Vec<f64> = self.sliding_ratios().collect();
@@ -180,6 +184,8 @@ impl LumpedModel {
             slopes.iter().all(|slope| *slope == 0.0)
                 && k.entries()
                     .all(|(i, j, value)| (k.get(j, i) - value).abs() <= FINE * value.abs())
+                && self.dofs() <= MOST_DENSE
+                && has_no_negative_energy(k, self.dofs())
         };
         if !self.law.detachment || self.contacts.is_empty() || has_energy() {
             return Uniqueness::One;
@@ -279,7 +285,38 @@ impl LumpedModel {
     }
 }
 
-/// What is known of the number of equilibria in uniform sliding.
+/// `true` if qᵀ K q ≥ 0 for all q, but for rounding, of a symmetric K. Cholesky's factors decide; a motion without
+/// stiffness has no stiffness to the others either.
+fn has_no_negative_energy(stiffness: &SparseMatrix, n: usize) -> bool {
+    let mut lower = vec![0.0; n * n];
+    for (row, column, value) in stiffness.entries().filter(|entry| entry.1 <= entry.0) {
+        lower[row * n + column] += value;
+    }
+    let own: Vec<f64> = (0..n).map(|row| lower[row * n + row]).collect();
+    for row in 0..n {
+        for column in 0..=row {
+            let known =
+                (0..column).fold(0.0, |sum, k| sum + lower[row * n + k] * lower[column * n + k]);
+            let rest = lower[row * n + column] - known;
+            let pivot = lower[column * n + column];
+            lower[row * n + column] = if row == column {
+                if rest < -COARSE * own[row].abs() || own[row] < 0.0 {
+                    return false;
+                }
+                if rest > COARSE * own[row] { rest.sqrt() } else { 0.0 }
+            } else if pivot > 0.0 {
+                rest / pivot
+            } else if rest.abs() <= (COARSE * own[row] * own[column]).abs().sqrt() {
+                0.0
+            } else {
+                return false;
+            };
+        }
+    }
+    true
+}
+
+/// Answer to the question how many equilibria in uniform sliding there are.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Uniqueness {
     /// There is one.

@@ -1,10 +1,10 @@
 //! The reason why there is no equilibrium, in words.
 
 use super::banded::Singular;
-use super::closing::Condensed;
+use super::closing::{Condensed, MOST_TRIED};
 use super::{Equilibrium, LumpedModel};
 use crate::Error;
-use crate::numerics::bisect;
+use crate::numerics::{bisect, max_norm};
 use std::fmt;
 
 impl LumpedModel {
@@ -21,17 +21,23 @@ impl LumpedModel {
             let problem = condensed.with_friction(&part).ok()?;
             problem.forces(&problem.closed()?)
         };
-        let Some(Lost { last, start, part }) = lost(exists) else {
-            return Error::equilibrium(
-                "no equilibrium in sliding: the load pulls the structure off its contacts, and springs do not hold it in all \
-                 its motions; press it on by a preload or a force, or hold it by a spring",
-            );
+        // Of more contacts, not all patterns are tried: that none is found does not prove that there is none.
+        let (grid, none) = match self.contacts.len() {
+            0..=MOST_TRIED => (GRID, "no equilibrium in sliding"),
+            _ => (COARSE_GRID, "no equilibrium in sliding was found"),
         };
-        let limit = Limit::of(slopes, jammed(&last, &start).unwrap_or(0), part);
-        match jammed(&last, &start) {
+        let Some(Lost { last, start, part }) = lost(grid, exists) else {
+            return Error::equilibrium(format!(
+                "{none}: the load pulls the structure off its contacts, and springs do not hold it in all \
+                 its motions; press it on by a preload or a force, or hold it by a spring",
+            ));
+        };
+        let jams = jammed(&last, &start);
+        let limit = Limit::of(slopes, jams.unwrap_or(0), part);
+        match jams {
             Some(contact) => limit.jams(&name(contact)),
             None => Error::equilibrium(format!(
-                "no equilibrium in sliding with {limit}: none is found from {:.6} on, where a contact opens or closes; \
+                "{none} with {limit}: none is found from {:.6} on, where a contact opens or closes; \
                  lower the coefficient, or press the contacts on",
                 limit.value
             )),
@@ -58,7 +64,7 @@ impl LumpedModel {
             let found = solve(part).ok().filter(|found| found.pulled_contact().is_none())?;
             Some(found.normal_force)
         };
-        let Some(Lost { last, start, part }) = lost(exists) else {
+        let Some(Lost { last, start, part }) = lost(GRID, exists) else {
             let pulled = found.as_ref().ok().and_then(Equilibrium::pulled_contact);
             let (contact, force) = pulled.unwrap_or((0, 0.0));
             return Error::equilibrium(format!(
@@ -101,22 +107,27 @@ struct Lost {
     start: Vec<f64>,
 }
 
+/// Number of parts of the friction coefficients at which an equilibrium is sought.
+const GRID: u32 = 256;
+/// Number of those parts where each search takes long.
+const COARSE_GRID: u32 = 32;
+
 /// Looks for the largest part of the friction coefficients, below all of them, at which there are normal forces; `None`
-/// if there are none at any.
-fn lost(exists: impl Fn(f64) -> Option<Vec<f64>>) -> Option<Lost> {
-    const GRID: u32 = 256;
-    let mut below = (0..GRID).rev().map(|i| f64::from(i) / f64::from(GRID));
+/// if there are none at any of `grid` parts.
+fn lost(grid: u32, exists: impl Fn(f64) -> Option<Vec<f64>>) -> Option<Lost> {
+    let mut below = (0..grid).rev().map(|i| f64::from(i) / f64::from(grid));
     let (known, start) = below.find_map(|part| Some((part, exists(part)?)))?;
     let [part, _] = bisect(known, 1.0, |part| exists(part).is_some());
     let last = exists(part).unwrap_or_else(|| start.clone());
     Some(Lost { part, last, start })
 }
 
-/// The contact whose normal force grows without bound where an equilibrium is lost.
+/// The contact whose normal force grows without bound, beside the largest force before, where an equilibrium is lost. A
+/// contact that was open before and has closed has no such force.
 fn jammed(last: &[f64], start: &[f64]) -> Option<usize> {
-    let grown = last.iter().zip(start).map(|(last, start)| last / start).enumerate();
-    let grown = grown.max_by(|a, b| a.1.total_cmp(&b.1));
-    grown.filter(|&(_, growth)| growth > 1e6).map(|(contact, _)| contact)
+    let usual = max_norm(start);
+    let (contact, most) = last.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+    (usual > 0.0 && *most > 1e6 * usual).then_some(contact)
 }
 
 /// A friction coefficient that is too large, and its limit.
@@ -149,5 +160,20 @@ impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let common = if self.differ { " (and the others in proportion)" } else { "" };
         write!(f, "a friction coefficient of {}{common}", self.friction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_open_contact_neither_jams_nor_hides_one_that_does() {
+        // Contact 1 stays open, contact 2 jams.
+        assert_eq!(jammed(&[0.0, 1e12], &[0.0, 3.0]), Some(1));
+        assert_eq!(jammed(&[1e12, 0.0], &[3.0, 0.0]), Some(0));
+        // Contact 1 has just touched, with less force than the other has.
+        assert_eq!(jammed(&[1e-3, 3.1], &[0.0, 3.0]), None);
+        assert_eq!(jammed(&[1e-3, 0.0], &[0.0, 0.0]), None);
     }
 }

@@ -4,8 +4,8 @@ use super::missing::MissingFeature;
 use super::nearest::nearest;
 use super::network_check::quoted;
 use super::{
-    Experiment, Network, NodeAt, Problem, Rule, Scene, Signal, Structure, effects_check,
-    network_check, problem, ring,
+    ContactDefinition, Experiment, Network, NodeAt, Problem, Rule, Scene, Signal, Structure,
+    effects_check, network_check, problem, ring,
 };
 use crate::Error;
 use crate::error::Short;
@@ -103,6 +103,7 @@ impl Scene {
                 self.check_static_friction(network, &mut checks);
             }
         }
+        self.check_transverse_damping(&mut checks);
         effects_check::check(self, &mut checks);
         checks.problems.extend(self.unknown_inputs());
         checks.problems.extend(self.too_large_to_watch());
@@ -130,6 +131,32 @@ impl Scene {
                 "leave it out; amontons-stability analyses single contact states of larger scenes",
             )
         })
+    }
+
+    /// Reports damping across the sliding where a contact has no motion in that direction, so that it would do nothing.
+    fn check_transverse_damping(&self, checks: &mut Checks<'_>) {
+        if !self.transverse_damping {
+            return;
+        }
+        let lacking = match self.network() {
+            None => Some("a ring moves in a plane".to_owned()),
+            Some(network) => {
+                let lacks = |contact: &&ContactDefinition| {
+                    let ends = [Some(contact.mass), contact.on].into_iter().flatten();
+                    !ends.into_iter().any(|point| network.moves_across(point, contact, self.slider))
+                };
+                let contact = network.contacts.iter().find(lacks);
+                contact.map(|contact| {
+                    format!("contact {} has no motion across its sliding", contact.name)
+                })
+            }
+        };
+        let Some(lacking) = lacking else { return };
+        let problem =
+            Problem::new("friction.transverse_damping", format!("does nothing: {lacking}"));
+        checks.problems.push(problem.of(true).help(
+            "leave it out, or keep the third direction of the nodes when the structure is reduced",
+        ));
     }
 
     /// Checks the static friction of contacts that have their own.

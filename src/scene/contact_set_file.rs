@@ -103,6 +103,10 @@ impl ContactSetTable {
                 names.problems.push(Problem::new(path("on"), message).of(quoted(on)).help(help));
                 return;
             }
+            if nodes.is_empty() {
+                let help = "name the nodes that slide";
+                names.problems.push(Problem::new(path("nodes"), "names no nodes").help(help));
+            }
             for (i, node) in nodes.iter().enumerate() {
                 let path = || format!("{}[{}]", path("nodes"), i + 1);
                 let Some(at) = names.node_number(path, superelement, *node) else { continue };

@@ -1,13 +1,12 @@
 //! `[[load]]` of a scene file: constant forces on nodes of superelements.
 
-#[cfg(feature = "schema")]
-use super::Rule;
 use super::names::Names;
 use super::network_check::quoted;
 use super::node_table::NodeTable;
 use super::source::Folder;
-use super::{Network, NodeAt, Problem};
+use super::{Network, NodeAt, Problem, Rule};
 use serde::Deserialize;
+use std::collections::HashSet;
 
 /// Constant forces on nodes of a superelement, which are part of the equilibrium: a force on each node, or a pressure.
 #[derive(Deserialize)]
@@ -78,6 +77,16 @@ impl LoadTable {
             names.problems.push(Problem::new(format!("load[{}]", place + 1), message));
             return;
         }
+        if let Some(wish) = self.area.and_then(|area| Rule::Positive.broken_by(area)) {
+            names.problems.push(Problem::new(path("area"), wish).of(self.area.unwrap_or_default()));
+            return;
+        }
+        if let Some(problem) =
+            self.nodes.as_deref().and_then(|nodes| not_a_set(path("nodes"), nodes))
+        {
+            names.problems.push(problem);
+            return;
+        }
         let mut forces: Vec<(NodeAt, [f64; 3], String)> = Vec::new();
         if let Some(nodes) = &self.nodes {
             #[allow(clippy::cast_precision_loss)]
@@ -143,6 +152,20 @@ impl LoadTable {
     }
 }
 
+/// Problem of a list of nodes that is empty or names a node twice.
+fn not_a_set(path: String, nodes: &[u64]) -> Option<Problem> {
+    if nodes.is_empty() {
+        return Some(
+            Problem::new(path, "names no nodes").help("name the nodes that the load acts on"),
+        );
+    }
+    let mut known = HashSet::new();
+    let i = nodes.iter().position(|node| !known.insert(*node))?;
+    let message = format!("node {} stands a second time", nodes[i]);
+    let help = "name each node once; write a second [[load]] for a further force on it";
+    Some(Problem::new(format!("{path}[{}]", i + 1), message).help(help))
+}
+
 /// Problem of a node that has no degree of freedom in a direction (1, 2, 3) in which something acts.
 pub(super) fn lacks(network: &Network, at: NodeAt, direction: u8, path: String) -> Problem {
     let name = &network.superelements[at.superelement].name;
@@ -153,4 +176,19 @@ pub(super) fn lacks(network: &Network, at: NodeAt, direction: u8, path: String) 
     );
     let help = "keep all directions of the node when the structure is reduced, or choose another direction";
     Problem::new(path, message).help(help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_of_a_load_is_named_once() {
+        let problem =
+            |nodes: &[u64]| not_a_set("load[1].nodes".into(), nodes).map(|it| it.to_string());
+        assert_eq!(problem(&[7, 12]), None);
+        assert!(problem(&[]).unwrap().contains("names no nodes"));
+        let twice = problem(&[7, 12, 7]).unwrap();
+        assert!(twice.contains("load[1].nodes[3]") && twice.contains("node 7"), "{twice}");
+    }
 }

@@ -164,6 +164,7 @@ impl<'a> Names<'a> {
         let freedoms = self.superelements[superelement].matrices.freedoms();
         let of_nodes = freedoms.iter().filter(|one| one.direction != 0);
         let mut nodes: Vec<u64> = of_nodes.map(|one| one.node).collect();
+        nodes.sort_unstable();
         nodes.dedup();
         let more = if nodes.len() > MAX_LISTED { ", …" } else { "" };
         let nodes: Vec<String> = nodes.iter().take(MAX_LISTED).map(u64::to_string).collect();

@@ -39,6 +39,14 @@ pub(super) fn check(network: &Network, slider: Slider, has_beta: bool, checks: &
     }
     check_names(Owner::Mass, masses.iter().map(|mass| &*mass.name), checks);
     check_names(Owner::Superelement, superelements.iter().map(|one| &*one.name), checks);
+    for (i, one) in superelements.iter().enumerate() {
+        if masses.iter().any(|mass| mass.name == one.name) {
+            let problem =
+                checks.problem(Owner::Superelement(i), "name", "is the name of a mass too");
+            let help = "give each its own: a contact takes either";
+            checks.problems.push(problem.of(quoted(&one.name)).help(help));
+        }
+    }
     check_names(Owner::ContactSet, network.contact_sets.iter().map(|set| &**set), checks);
     check_names(Owner::Spring, springs.iter().map(|spring| &*spring.name), checks);
     check_names(Owner::Damper, dampers.iter().map(|damper| &*damper.name), checks);

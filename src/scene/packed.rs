@@ -78,7 +78,9 @@ impl SuperelementMatrices {
             let [direction] = rest.take().ok_or(SHORT)?;
             freedoms.push(Freedom { node, direction });
         }
-        let mut matrix = |form| rest.matrix(Form::from(form), n).ok_or(SHORT);
+        let mut matrix = |form| -> Result<Vec<f64>, String> {
+            Ok(rest.matrix(Form::try_from(form)?, n).ok_or(SHORT)?)
+        };
         let [mass, stiffness, damping] = [matrix(forms[0])?, matrix(forms[1])?, matrix(forms[2])?];
         if !rest.0.is_empty() {
             return Err(
@@ -112,13 +114,17 @@ impl Form {
     }
 }
 
-impl From<u8> for Form {
-    /// Every byte above 1 counts as 2.
-    fn from(byte: u8) -> Self {
+impl TryFrom<u8> for Form {
+    type Error = String;
+
+    fn try_from(byte: u8) -> Result<Self, String> {
         match byte {
-            0 => Self::Absent,
-            1 => Self::Lower,
-            _ => Self::Full,
+            0 => Ok(Self::Absent),
+            1 => Ok(Self::Lower),
+            2 => Ok(Self::Full),
+            _ => Err(format!(
+                "has a matrix in the form {byte}, but the forms of version 1 are 0, 1 and 2; write the file once more"
+            )),
         }
     }
 }

@@ -112,16 +112,35 @@ impl<'a> Folder<'a> {
         let Some(folder) = self.path else {
             return Err("only a scene that is read from a file can name a superelement".into());
         };
-        if let Some(place) = known_as(name, &self.binaries)? {
-            return SuperelementMatrices::from_bytes(&self.binaries[place].1);
-        }
-        let bytes = text::read(&folder.join(name), MAX_PACKED)
+        let known = known_as(name, &self.binaries)?;
+        let before: usize = self.binaries.iter().map(|(_, bytes)| bytes.len()).sum();
+        let left = match known {
+            Some(_) => MAX_PACKED,
+            None => MAX_ALL_PACKED.saturating_sub(before as u64).min(MAX_PACKED),
+        };
+        let bytes = text::read(&folder.join(name), left)
             .map_err(|error| format!("cannot be read: {error}"))?;
         let bytes = bytes.ok_or_else(|| {
-            format!("is larger than {}, the limit for superelements", text::megabytes(MAX_PACKED))
+            format!(
+                "is too large: a superelement has at most {}, and those of a scene have at most {} together; reduce to \
+                 fewer degrees of freedom",
+                text::megabytes(MAX_PACKED),
+                text::megabytes(MAX_ALL_PACKED)
+            )
         })?;
         let matrices = SuperelementMatrices::from_bytes(&bytes)?;
-        self.binaries.push((name.to_owned(), bytes));
+        match known {
+            // The name may be that of the packed form of a superelement with matrices in other files.
+            Some(place) if self.binaries[place].1 != bytes => {
+                return Err(
+                    "has other matrices than the superelement of this name, which the FMU would carry in a file of the same \
+                     name; give one of them another name"
+                        .into(),
+                );
+            }
+            Some(_) => {}
+            None => self.binaries.push((name.to_owned(), bytes)),
+        }
         Ok(matrices)
     }
 
@@ -159,6 +178,8 @@ impl<'a> Folder<'a> {
 
 /// Largest size of a packed superelement, in bytes.
 const MAX_PACKED: u64 = 256_000_000;
+/// Largest size of the packed superelements of a scene together, in bytes.
+const MAX_ALL_PACKED: u64 = 1_000_000_000;
 
 /// The place of a file that has been read; `None` if it has not.
 ///
@@ -193,5 +214,62 @@ mod tests {
         for name in ["a.csv", "Messung 3 für µ.CSV", "a.b.csv"] {
             assert!(folder.table(name).unwrap_err().contains("read from a file"), "{name}");
         }
+    }
+
+    /// A reader that gives one mass of 2 kg whatever the files are.
+    struct OneMass;
+
+    fn one_mass(stiffness: f64) -> SuperelementMatrices {
+        let freedoms = vec![super::super::Freedom { node: 1, direction: 1 }];
+        SuperelementMatrices::new(freedoms, vec![2.0], vec![stiffness], Vec::new()).unwrap()
+    }
+
+    impl MatrixFiles for OneMass {
+        fn read(
+            &self,
+            _: &Path,
+            _: &SuperelementFiles,
+        ) -> Result<SuperelementMatrices, Vec<Problem>> {
+            Ok(one_mass(100.0))
+        }
+    }
+
+    #[test]
+    fn a_packed_file_is_never_taken_for_the_matrices_of_another_superelement() {
+        let path = std::env::temp_dir().join(format!("amontons-packed-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        let put = |stiffness: f64| {
+            std::fs::write(path.join("pad.superelement"), one_mass(stiffness).to_bytes()).unwrap();
+        };
+        let files = SuperelementFiles {
+            name: "pad".into(),
+            folder: None,
+            stiffness: None,
+            mass: None,
+            freedoms: None,
+            damping: None,
+            gyroscopic: None,
+            circulatory: None,
+            alpha: 0.0,
+            beta: 0.0,
+            damping_ratio: Vec::new(),
+            units: Default::default(),
+        };
+        let folder = || Folder::new(Some(&path)).with_matrices(&OneMass);
+        put(300.0);
+        let mut one = folder();
+        one.matrices(&files).unwrap();
+        let message = one.packed("pad.superelement").unwrap_err();
+        assert!(message.contains("other matrices"), "{message}");
+        let mut other = folder();
+        assert_eq!(other.packed("pad.superelement").unwrap().stiffness(), [300.0]);
+        assert!(other.packed("pad.superelement").is_ok());
+        assert!(other.matrices(&files).is_err());
+        // The same matrices in both are no clash.
+        put(100.0);
+        let mut same = folder();
+        same.matrices(&files).unwrap();
+        assert_eq!(same.packed("pad.superelement").unwrap().stiffness(), [100.0]);
+        std::fs::remove_dir_all(&path).unwrap();
     }
 }

@@ -53,6 +53,26 @@ pub(super) fn exists(network: &Network, point: Point) -> bool {
     }
 }
 
+impl Network {
+    /// `true` if a point of a contact has a degree of freedom across the sliding. Masses move in the plane of x and y.
+    pub(super) fn moves_across(
+        &self,
+        point: Point,
+        contact: &ContactDefinition,
+        slider: Slider,
+    ) -> bool {
+        let [n, t] = contact.directions(slider.angle);
+        let next = |i: usize| ((i + 1) % 3, (i + 2) % 3);
+        (1_u8..).zip((0..3).map(next)).any(|(direction, (j, k))| {
+            (n[j] * t[k] - n[k] * t[j]).abs() > NO_PART
+                && match point {
+                    Point::Mass(_) => direction < 3,
+                    Point::Node(at) => self.node_row(at, direction).is_some(),
+                }
+        })
+    }
+}
+
 /// Reports a point that cannot move along a direction (a unit vector) because it has no such degree of freedom: a mass
 /// along z, or a node of which a direction was not kept.
 pub(super) fn check_reach(

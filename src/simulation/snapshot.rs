@@ -111,6 +111,11 @@ impl Snapshot {
         if gap.iter().any(|gap| *gap < 0.0) {
             return refuse("a contact is inside its surface in its equilibrium");
         }
+        if !law.detachment && gap.iter().any(|gap| *gap > 0.0) {
+            return refuse(
+                "a contact is open in its equilibrium, but contacts cannot open in this scene",
+            );
+        }
         if !law.follows_size() && motion.pulls.contains(&true) {
             return refuse("a contact pulls, which the law of contact excludes");
         }

@@ -286,7 +286,7 @@ fn a_pressure_presses_a_post_on_another_across_a_gap() {
     let text = "
 integrator = { method = \"event-driven\", step = 1e-3 }
 slider = { velocity = 0.1, angle = 0.0 }
-friction = { coefficient = 0.2, transverse_damping = true }
+friction = { coefficient = 0.2 }
 superelement = [{ name = \"a\", file = \"a.superelement\" }, { name = \"b\", file = \"b.superelement\" }]
 contact_set = [{ name = \"face\", superelement = \"a\", on = \"b\", pairs = \"pairs.csv\" }]
 load = [{ superelement = \"a\", pressure = 1e5, areas = \"areas.csv\" }]
@@ -303,6 +303,14 @@ load = [{ superelement = \"a\", pressure = 1e5, areas = \"areas.csv\" }]
     // 40 N on two springs side by side, after the first has closed the gap.
     assert!((normal_force("") - 30.0).abs() < 1e-9, "{}", normal_force(""));
     assert!((normal_force("1e-4") - 22.5).abs() < 1e-9, "{}", normal_force("1e-4"));
+    // The posts have no motion along y, across the sliding.
+    let tables = [
+        ("pairs.csv", "node,on,nx,ny,nz,tx,ty,tz\n1,1,0,0,1,1,0,0\n"),
+        ("areas.csv", "node,area,nx,ny,nz\n1,4e-4,0,0,1\n"),
+    ];
+    let text = text.replace("0.2 }", "0.2, transverse_damping = true }");
+    let message = scene_beside("across", &matrices, &tables, &text).unwrap_err();
+    assert!(message.contains("contact face_1 has no motion across its sliding"), "{message}");
 }
 
 #[test]
@@ -316,7 +324,26 @@ superelement = [{ name = \"s\", file = \"s.superelement\" }]
     let contact = |keys: &str| format!("contact = [{{ name = \"k\", mass = \"s.7\", {keys} }}]");
     let set =
         |keys: &str| format!("contact_set = [{{ name = \"f\", superelement = \"s\", {keys} }}]");
+    let load = |keys: &str| format!("load = [{{ superelement = \"s\", {keys} }}]");
     let cases = [
+        (
+            load("nodes = [7], pressure = 1e5, area = -1e-4, normal = [0.0, 1.0, 0.0]"),
+            vec!["load[1].area", "must be above zero"],
+        ),
+        (
+            load("nodes = [7], pressure = 1e5, area = nan, normal = [0.0, 1.0, 0.0]"),
+            vec!["load[1].area", "must be a finite number"],
+        ),
+        (load("nodes = [], force = [0.0, 1.0, 0.0]"), vec!["load[1].nodes", "names no nodes"]),
+        (
+            load("nodes = [7, 12, 7], force = [0.0, 1.0, 0.0]"),
+            vec!["load[1].nodes[3]", "node 7 stands a second time"],
+        ),
+        (set("nodes = []"), vec!["contact_set[1].nodes", "names no nodes"]),
+        (
+            "mass = [{ name = \"s\", mass = 1.0 }]".to_owned(),
+            vec!["superelement[1].name", "is the name of a mass too"],
+        ),
         (
             "contact = [{ name = \"k\", mass = \"s.8\" }]".to_owned(),
             vec!["contact[1].mass", "no such node", "it has nodes 7, 12", "--retain"],

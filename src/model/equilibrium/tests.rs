@@ -274,3 +274,25 @@ fn a_mechanism_is_told_apart() {
     let message = equilibrium(&scene).unwrap_err().to_string();
     assert!(message.contains("without straining a spring"), "{message}");
 }
+
+#[test]
+fn a_stiffness_with_negative_energy_has_two_equilibria_without_friction() {
+    // −1000 N/m under 1 N: closed with 1 N, or 1 mm open.
+    let mut model = row(&[0.0], &[-1.0], 0.0, 1.0);
+    model.stiffness = SparseMatrix::diagonal(&[1.0, -1000.0]);
+    let found = model.equilibrium(&number).unwrap();
+    assert_eq!(found.normal_force, [1.0]);
+    let Uniqueness::Several(other) = model.uniqueness(&found) else { panic!() };
+    assert!((other.gap[0] - 1e-3).abs() < 1e-15, "{other:?}");
+    // A motion that no spring holds is no such case.
+    let model = row(&[0.0; 3], &[-1.0; 3], 0.0, 0.0);
+    assert_eq!(model.uniqueness(&model.equilibrium(&number).unwrap()), Uniqueness::One);
+}
+
+#[test]
+fn a_large_structure_whose_contacts_find_no_rest_is_not_said_to_need_contacts_that_pull() {
+    // All contacts are pulled off, and nothing holds the structure along y.
+    let model = row(&[0.0; 500], &[1.0; 500], 0.0, 0.0);
+    let message = model.equilibrium(&number).unwrap_err().to_string();
+    assert!(message.contains("was found") && !message.contains("would have to pull"), "{message}");
+}

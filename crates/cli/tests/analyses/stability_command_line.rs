@@ -284,6 +284,27 @@ fn one_module_different_modules_and_long_rings_work() {
     }
 }
 
+#[test]
+fn many_contacts_are_examined_in_sliding_with_all_closed_and_in_the_equilibrium() {
+    let folder = folder();
+    let scene = include_str!("../../../../scenes/set1.toml");
+    let scene = scene.replacen("modules = 2", "modules = 9", 1);
+    let key = scene.lines().find(|line| line.starts_with("preload")).unwrap();
+    let usual = key.split(['=', '#']).nth(1).unwrap().trim();
+    let preloads = format!("preload = [-5e-3{}]", format!(", {usual}").repeat(8));
+    fs::write(folder.path().join("lifted.toml"), scene.replacen(key, &preloads, 1)).unwrap();
+    let output = stability(folder.path(), &["states", "lifted.toml", "--format", "json"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("uniform sliding and the equilibrium's state is"));
+    let found: serde_json::Value = serde_json::from_str(&text(&output.stdout)).unwrap();
+    let states = found["states"].as_object().unwrap();
+    let sliding = vec!["Sl"; 9].join("-");
+    let lifted = sliding.replacen("Sl", "Dt", 1);
+    assert_eq!(states.len(), 2, "{:?}", states.keys());
+    assert_eq!(states[&sliding]["has_equilibrium"], false);
+    assert_eq!(states[&lifted]["has_equilibrium"], true);
+}
+
 /// Growth rate (1/s) of scenes/effects/stribeck.toml on a belt with velocity `v`, m/s.
 fn stribeck_growth_rate(v: f64) -> f64 {
     let (m, n, d, mu, mu_s, v_s) = (1.0, 10.0, 6.0, 0.2, 0.4, 0.1);

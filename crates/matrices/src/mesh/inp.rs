@@ -62,6 +62,12 @@ struct Reader {
 
 impl Reader {
     fn keyword(&mut self, line: usize, keyword: &Keyword) -> Result<(), Fault> {
+        if matches!(&*keyword.name, "NODE" | "ELEMENT") && keyword.parameter("INPUT").is_some() {
+            return Err(Fault::line(
+                line,
+                "the lines of another file are not read; put them in place of the parameter INPUT",
+            ));
+        }
         self.part = match &*keyword.name {
             "NODE" => {
                 if keyword
@@ -98,6 +104,12 @@ impl Reader {
                     "the mesh of another file is not read; put its lines in place of *INCLUDE",
                 ));
             }
+            "SYSTEM" => {
+                return Err(Fault::line(
+                    line,
+                    "*SYSTEM turns and shifts the nodes that follow; write their places without it",
+                ));
+            }
             "INSTANCE" | "PART" => {
                 return Err(Fault::line(
                     line,
@@ -122,7 +134,9 @@ impl Reader {
         let mut fields = text.split(',').map(str::trim);
         let number = whole(line, fields.next().unwrap_or_default())?;
         let mut place = [0.0; 3];
-        for (coordinate, field) in place.iter_mut().zip(fields.filter(|field| !field.is_empty())) {
+        // An empty field is a coordinate that is left out; those after it keep their axes.
+        let given = place.iter_mut().zip(fields).filter(|(_, field)| !field.is_empty());
+        for (coordinate, field) in given {
             let value = text::number(field).filter(|value| value.is_finite());
             *coordinate = value.ok_or_else(|| {
                 Fault::line(
@@ -241,6 +255,15 @@ mod tests {
     }
 
     #[test]
+    fn a_coordinate_that_is_left_out_is_zero_and_the_others_keep_their_axes() {
+        let mesh = read(
+            b"*NODE\n5, , 2.0, 1.0\n6, 1., , 3.\n7, 1.,\n8\n*ELEMENT, TYPE=C3D4\n1, 5, 6, 7, 8\n",
+        );
+        let expected = [[0.0, 2.0, 1.0], [1.0, 0.0, 3.0], [1.0, 0.0, 0.0], [0.0; 3]];
+        assert_eq!(mesh.unwrap().points, expected);
+    }
+
+    #[test]
     fn a_wrong_line_is_named() {
         let nodes = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n";
         for (text, line, words) in [
@@ -252,6 +275,9 @@ mod tests {
             ("*ELEMENT, TYPE=C3D27\n", 1, "`C3D27` have no known form"),
             ("*ELEMENT\n", 1, "`` have no known form"),
             ("*INCLUDE, INPUT=mesh.inp\n", 1, "put its lines in place"),
+            ("@*NODE, INPUT=nodes.inp\n", 5, "in place of the parameter INPUT"),
+            ("@*ELEMENT, TYPE=S3, INPUT=e.inp\n", 5, "in place of the parameter INPUT"),
+            ("*SYSTEM\n0, 0, 1\n", 1, "without it"),
             ("*PART, NAME=DISC\n", 1, "without them"),
             (
                 "@*ELEMENT, TYPE=S3\n1, 1, 2\n*STEP\n",

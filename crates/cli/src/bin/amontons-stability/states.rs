@@ -8,6 +8,7 @@ use amontons::model::{Equilibrium, LinearModel};
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
 use amontons_analysis::patterns::{self, Pattern, in_words};
+use amontons_analysis::stability::candidates::closed_at_rest;
 use amontons_analysis::stability::{
     Linearised, LinearityLimit, MAX_CONTACTS, StateClasses, linearity_limit, modes, spectra_of,
 };
@@ -123,8 +124,11 @@ fn spectra(
         let states = state(name, scene, here)?;
         let mut all = vec![states];
         if name.is_none() {
-            let equilibrium = here.equilibrium_states().ok();
-            all.extend(equilibrium.filter(|states| *states != all[0]));
+            // The equilibrium's state goes after sliding with all contacts closed, where it is another one.
+            let sliding = closed_at_rest(here.model());
+            if sliding != all[0] {
+                all.insert(0, sliding);
+            }
             let also = if all.len() > 1 { " and the equilibrium's state" } else { "" };
             eprintln!(
                 "note: {contacts} contacts: only uniform sliding{also} is examined; name other states with --state or take those of a run \
