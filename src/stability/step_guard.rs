@@ -34,8 +34,8 @@ pub struct StepGuard {
     /// The largest bound of the eigenvalues at which the step is admissible with friction, 1/s². That of discrete
     /// dampers grows in proportion with it.
     admissible: f64,
-    /// The friction of each contact when all states were last found to admit the step, with `damping`.
-    admitted: Option<Vec<SlidingFriction>>,
+    /// The friction of each contact and the damping when all states were last found to admit the step.
+    admitted: Option<(Vec<SlidingFriction>, Damping)>,
     /// The friction of each contact with which the step was last admitted; valid while `is_known`.
     last: Vec<SlidingFriction>,
     is_known: bool,
@@ -50,7 +50,8 @@ const MOST_LEFT_OUT: u32 = 63;
 /// Rounding may move a limit by this part of itself. A step that is nearer to it is compared with the printed limit.
 const ROUNDING: f64 = 1e-5;
 
-/// Friction beyond the present one for which the states of a full mass matrix are examined ahead, as a part of it, and added to that.
+/// Friction and damping beyond the present ones for which the states of a full mass matrix are examined ahead, as a part of them, and
+/// friction added to that.
 const ROOM: f64 = 0.1;
 const LEAST_ROOM: f64 = 0.01;
 
@@ -78,7 +79,9 @@ impl StepGuard {
     fn set_damping(&mut self, damping: Damping) {
         // No real mode above (2/h)² is admissible.
         let end = 4.0 / (self.step * self.step);
-        let dampers = self.bound.as_ref().map_or(0.0, FrequencyBound::dampers_against_stiffness);
+        (self.damping, self.is_known) = (damping, false);
+        let Some(bound) = &self.bound else { return };
+        let dampers = bound.dampers_against_stiffness();
         let admits = |square: f64| {
             all_admissible(
                 self.step,
@@ -96,8 +99,6 @@ impl StepGuard {
                 sizes.take(200).find(|square| admits(*square)).unwrap_or(0.0)
             }
         };
-        self.damping = damping;
-        (self.admitted, self.is_known) = (None, false);
     }
 
     /// Makes sure that the step is at most the critical one, with the greatest µ that each contact can have in slip.
@@ -170,16 +171,20 @@ impl StepGuard {
     }
 
     /// `true` if the states of a model with a full mass matrix admit the step. Each examination takes a good part of a second, so it
-    /// looks ahead to somewhat more friction, and holds for less.
+    /// looks ahead to somewhat more friction and damping, and holds for less.
     fn full_states_admit(&mut self, linear: LinearModel<'_>) -> bool {
         let is_less = |(now, before): (SlidingFriction, &SlidingFriction)| {
             now.coefficient <= before.coefficient
         };
-        let before = self.admitted.as_deref();
-        if before.is_some_and(|before| linear.friction().zip(before).all(is_less)) {
+        let Damping { alpha, beta } = linear.model().damping;
+        if self.admitted.as_ref().is_some_and(|(friction, damping)| {
+            let is_less_damped = alpha <= damping.alpha && beta <= damping.beta;
+            is_less_damped && linear.friction().zip(friction).all(is_less)
+        }) {
             return true;
         }
         let mut rougher = linear.model().clone();
+        rougher.damping = Damping { alpha: (1.0 + ROOM) * alpha, beta: (1.0 + ROOM) * beta };
         let more = |coefficient: f64| (1.0 + ROOM) * coefficient + LEAST_ROOM;
         for Contact { friction, .. } in &mut rougher.contacts {
             (friction.kinetic, friction.static_) = (more(friction.kinetic), more(friction.static_));
@@ -187,7 +192,7 @@ impl StepGuard {
         let step = (1.0 + ROUNDING) * self.step;
         let mut models = [rougher.with_greatest_friction(), linear].into_iter();
         let admitted = models.find(|model| is_reached(step, *model, |_| true));
-        self.admitted = admitted.map(|model| model.friction().collect());
+        self.admitted = admitted.map(|it| (it.friction().collect(), it.model().damping));
         admitted.is_some()
     }
 
@@ -196,7 +201,9 @@ impl StepGuard {
         if model.model().mass.as_diagonal().is_none() && !can_be_enumerated(model.model()) {
             return self.full_states_admit(model);
         }
-        let before = self.admitted.as_deref();
+        let damping = model.model().damping;
+        let before = self.admitted.as_ref().filter(|(_, before)| *before == damping);
+        let before = before.map(|(friction, _)| &**friction);
         let is_new =
             |(i, now): (usize, SlidingFriction)| before.is_none_or(|before| before[i] != now);
         let new: Vec<bool> = model.friction().enumerate().map(is_new).collect();
@@ -207,7 +214,7 @@ impl StepGuard {
         };
         let admit = is_reached((1.0 + ROUNDING) * self.step, model, concerns);
         if admit {
-            self.admitted = Some(model.friction().collect());
+            self.admitted = Some((model.friction().collect(), damping));
         }
         admit
     }

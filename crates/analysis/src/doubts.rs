@@ -388,19 +388,19 @@ mod tests {
             network.superelements = superelements;
             of(scene)
         };
-        assert_eq!(doubts(vec![lump("pad", 0.4, 1e8), lump("disc", 6.0, 1e9)]), [""; 0]);
-        assert_eq!(doubts(vec![lump("clip", 0.02, 1e6), lump("disc", 6.0, 1e9)]), [""; 0]);
-        let light = doubts(vec![lump("pad", 0.4e-3, 1e5), lump("disc", 6.0, 1e9)]);
+        assert_eq!(doubts(vec![lump("shoe", 0.4, 1e8), lump("rotor", 6.0, 1e9)]), [""; 0]);
+        assert_eq!(doubts(vec![lump("clip", 0.02, 1e6), lump("rotor", 6.0, 1e9)]), [""; 0]);
+        let light = doubts(vec![lump("shoe", 0.4e-3, 1e5), lump("rotor", 6.0, 1e9)]);
         assert_eq!(light.len(), 1, "{light:?}");
-        assert!(light[0].starts_with("superelement pad has 1/15000 of the mass"), "{light:?}");
+        assert!(light[0].starts_with("superelement shoe has 1/15000 of the mass"), "{light:?}");
         assert!(light[0].ends_with("write `units = \"N-mm-t-s\"`"), "{light:?}");
-        let alone = doubts(vec![lump("pad", 0.4e-3, 1e5)]);
-        assert!(alone[0].starts_with("superelement pad has a mass of 4.000e-4 kg"), "{alone:?}");
-        let mut pushed = lump("pad", 0.4, 1e5);
+        let alone = doubts(vec![lump("shoe", 0.4e-3, 1e5)]);
+        assert!(alone[0].starts_with("superelement shoe has a mass of 4.000e-4 kg"), "{alone:?}");
+        let mut pushed = lump("shoe", 0.4, 1e5);
         pushed.load[0] = 3e3;
         let far = doubts(vec![pushed]);
         assert!(
-            far[0].starts_with("the load moves node 1 of superelement pad by 0.030 m"),
+            far[0].starts_with("the load moves node 1 of superelement shoe by 0.030 m"),
             "{far:?}"
         );
     }
