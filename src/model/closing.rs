@@ -127,24 +127,19 @@ impl Condensed {
         let mut is_swapped = vec![false; m];
         let mut motions: Vec<usize> = (m + 1..=m + d).collect();
         while !motions.is_empty() {
-            let Some((i, k, j)) = best_hold(&rows, &balances, &motions, &is_swapped) else {
-                // No contact holds what is left.
-                let springs = (0..balances.len())
-                    .flat_map(|k| (0..motions.len()).map(move |j| (k, j)))
-                    .max_by(|a, b| {
-                        let size = |&(k, j): &(usize, usize)| balances[k][motions[j]].abs();
-                        size(a).total_cmp(&size(b))
-                    });
-                let (k, j) = springs.ok_or(Unheld)?;
+            let hold = |least| best_hold(&rows, &balances, &motions, &is_swapped, least);
+            let strong = hold(WEAK);
+            if strong.is_none()
+                && let Some((k, j)) = best_spring(&balances, &motions)
+            {
+                // No contact holds this motion.
                 let motion = motions.swap_remove(j);
-                let balance = balances.swap_remove(k);
-                if balance[motion].abs() <= NOTHING {
-                    return Err(Unheld);
-                }
-                let moved = solved(&balance, motion);
+                let moved = solved(&balances.swap_remove(k), motion);
                 rows.iter_mut().chain(&mut balances).for_each(|row| replace(row, motion, &moved));
                 continue;
-            };
+            }
+            // Near the friction at which a structure jams a contact hardly holds it.
+            let (i, k, j) = strong.or_else(|| hold(NOTHING)).ok_or(Unheld)?;
             // N of the contact from the balance along one motion, then this motion from the contact's gap.
             let mut force = solved(&balances.swap_remove(k), 1 + i);
             let motion = motions.swap_remove(j);
@@ -163,14 +158,24 @@ impl Condensed {
     }
 }
 
-/// The contact, the balance and the place in `motions` with which a contact holds a motion best; `None` if none does.
+/// The balance and the place in `motions` with which a spring holds a motion best; `None` if none does.
+fn best_spring(balances: &[Vec<f64>], motions: &[usize]) -> Option<(usize, usize)> {
+    let size = |&(k, j): &(usize, usize)| balances[k][motions[j]].abs();
+    let all = (0..balances.len()).flat_map(|k| (0..motions.len()).map(move |j| (k, j)));
+    let best = all.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    (size(&best) > NOTHING).then_some(best)
+}
+
+/// The contact, the balance and the place in `motions` with which a contact holds a motion best; `None` if none does by
+/// more than `least`.
 fn best_hold(
     rows: &[Vec<f64>],
     balances: &[Vec<f64>],
     motions: &[usize],
     is_swapped: &[bool],
+    least: f64,
 ) -> Option<(usize, usize, usize)> {
-    let (mut most, mut best) = (WEAK, None);
+    let (mut most, mut best) = (least, None);
     for (i, row) in rows.iter().enumerate().filter(|(i, _)| !is_swapped[*i]) {
         for (k, balance) in balances.iter().enumerate() {
             for (j, &motion) in motions.iter().enumerate() {

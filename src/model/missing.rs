@@ -122,12 +122,16 @@ fn lost(grid: u32, exists: impl Fn(f64) -> Option<Vec<f64>>) -> Option<Lost> {
     Some(Lost { part, last, start })
 }
 
+/// A force that has grown by this factor within a part of the grid grows without bound. Nearer to the limit than that
+/// rounding decides whether there is a solution.
+const GROWN: f64 = 1e4;
+
 /// The contact whose normal force grows without bound, beside the largest force before, where an equilibrium is lost. A
 /// contact that was open before and has closed has no such force.
 fn jammed(last: &[f64], start: &[f64]) -> Option<usize> {
     let usual = max_norm(start);
     let (contact, most) = last.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-    (usual > 0.0 && *most > 1e6 * usual).then_some(contact)
+    (usual > 0.0 && *most > GROWN * usual).then_some(contact)
 }
 
 /// A friction coefficient that is too large, and its limit.
