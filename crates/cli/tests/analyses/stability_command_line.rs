@@ -298,7 +298,7 @@ fn many_contacts_are_examined_in_sliding_with_all_closed_and_in_the_equilibrium(
     assert!(text(&output.stderr).contains("uniform sliding and the equilibrium's state is"));
     let found: serde_json::Value = serde_json::from_str(&text(&output.stdout)).unwrap();
     let states = found["states"].as_object().unwrap();
-    let sliding = vec!["Sl"; 9].join("-");
+    let sliding = ["Sl"; 9].join("-");
     let lifted = sliding.replacen("Sl", "Dt", 1);
     assert_eq!(states.len(), 2, "{:?}", states.keys());
     assert_eq!(states[&sliding]["has_equilibrium"], false);

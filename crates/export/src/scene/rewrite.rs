@@ -147,9 +147,12 @@ fn started(network: &Network) -> Coordinates {
     started
 }
 
-/// The initial values of a superelement, node by node and mode by mode: key and name of each, and its values.
-fn superelement_initial(one: &Superelement) -> Vec<(&'static str, String, Vec<(String, f64)>)> {
-    let mut all: Vec<(&'static str, String, Vec<(String, f64)>)> = Vec::new();
+/// An `[[initial]]`: the key that names what moves, its name, and the values by their keys.
+type InitialTable = (&'static str, String, Vec<(String, f64)>);
+
+/// The initial values of a superelement, node by node and mode by mode.
+fn superelement_initial(one: &Superelement) -> Vec<InitialTable> {
+    let mut all: Vec<InitialTable> = Vec::new();
     let mut modes = 0;
     for (row, freedom) in one.matrices.freedoms().iter().enumerate() {
         let (value, rate) = (one.displacement[row], one.velocity[row]);
