@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn many_states_are_counted_and_the_few_that_differ_are_named() {
         let mut scene = builtin("set2").unwrap().scene();
-        let module = scene.modules()[0].clone();
+        let module = scene.modules()[0];
         scene.modules_mut().resize(12, module);
         let mut states = vec![Slide; 12];
         assert_eq!(in_words(&states, &scene), "12 Sl");

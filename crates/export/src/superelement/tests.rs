@@ -137,7 +137,7 @@ fn modal_damping_gives_each_mode_its_ratio_and_rigid_motions_none() {
     let d = damped.damping();
     let m = nalgebra::DMatrix::from_row_slice(5, 5, m);
     let dense = nalgebra::DMatrix::from_row_slice(5, 5, d);
-    let product = &dense * m.clone().try_inverse().unwrap() * &dense;
+    let product = &dense * m.try_inverse().unwrap() * &dense;
     let expected = nalgebra::DMatrix::from_row_slice(5, 5, k) * (4.0 * 0.02 * 0.02);
     let most = |matrix: &nalgebra::DMatrix<f64>| matrix.amax();
     assert!(most(&(&product - &expected)) < 1e-11 * most(&expected), "{product} {expected}");
