@@ -73,7 +73,7 @@ pub fn left_out(log: &VisitLog) -> Option<String> {
     })
 }
 
-/// Reads the patterns that [`write`] has written for a scene with these contacts, and returns the longest first. Columns may be in any order, and only those of
+/// Reads the patterns that [`write()`] has written for a scene with these contacts, and returns the longest first. Columns may be in any order, and only those of
 /// the contacts and `share` are needed.
 ///
 /// # Errors

@@ -184,7 +184,7 @@ const SHORTEST: f64 = 1e-12;
 /// Structures with up to 16 degrees of freedom (two more for each contact between two masses or at an
 /// angle to them) get a full matrix for each contact state that they meet, of which up to 64 are kept, in
 /// at most 300 kB. That memory is allocated when the integrator is made. Larger structures use sparse matrices, or the products
-/// of [`PerMass`](super::per_mass::PerMass) where their matrices are full.
+/// of `PerMass` where their matrices are full.
 pub struct EventDriven<W = ()> {
     observer: W,
     dynamics: Dynamics,
