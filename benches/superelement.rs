@@ -1,4 +1,4 @@
-//! What squeal of a reduced finite-element structure costs: `cargo bench --bench superelement` prints one table.
+//! The cost of squeal of a reduced finite-element structure: `cargo bench --bench superelement` prints one table.
 //!
 //! A brake pad with 300 degrees of freedom and 96 contacts that share masses squeals from its equilibrium in sliding, until contacts
 //! stick and open. The products alone are those with K and M⁻¹ that a step of the paper's scheme, or each power of a series of

@@ -441,7 +441,7 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
     forward_increment::faster(model)
 }
 
-/// What an integrator writes down besides the motion.
+/// Records that an integrator keeps besides the motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Records {
     /// The energy ledger of the motion, step by step; a motion without a ledger is advanced without one.

@@ -258,7 +258,7 @@ fn is_solution(values: &[f64]) -> bool {
     values.iter().all(|value| *value >= nothing)
 }
 
-/// What is known of other solutions.
+/// Knowledge of other solutions than one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Others {
     /// There are none.
@@ -293,7 +293,7 @@ impl Complementarity {
         covers.filter_map(|cover| self.pivoted(cover))
     }
 
-    /// What is known of solutions whose closed contacts are others than these. Contacts that carry no force and have no
+    /// Looks for solutions whose closed contacts are others than these. Contacts that carry no force and have no
     /// gap count as either.
     pub(super) fn others(&self, closed: &[bool]) -> Others {
         if self.is_definite() {

@@ -125,7 +125,7 @@ impl<'a> LinearModel<'a> {
         SlidingFriction { coefficient, damping, transverse }
     }
 
-    /// What friction adds to the damping where contacts slide: the contact, a direction b and the coefficient c, N s/m, of
+    /// The parts that friction adds to the damping where contacts slide: the contact, a direction b and the coefficient c, N s/m, of
     /// c b bᵀ.
     pub fn friction_damping(self) -> impl Iterator<Item = (usize, &'a Direction, f64)> + 'a {
         self.model.contacts.iter().zip(self.friction()).enumerate().flat_map(

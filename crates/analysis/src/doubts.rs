@@ -16,7 +16,7 @@ const FAR_NODE: f64 = 0.02;
 const WEIGHTS: f64 = 10.0;
 /// Preloads that press all contacts on with less than this part of the masses' weight are doubtful.
 const FAINT: f64 = 0.02;
-/// A superelement is doubtful beside another one that has more than so many times its mass, and so many
+/// A superelement is doubtful beside another one that has more than the first factor times its mass, and the second
 /// times its stiffness.
 const LIGHT: [f64; 2] = [500.0, 100.0];
 /// A superelement of less mass, kg, is doubtful if its own springs and masses make it a body of metal.

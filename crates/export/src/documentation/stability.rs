@@ -37,7 +37,7 @@ pub(super) fn section(effective: &Scene, reference: &Equilibrium) -> Result<Stri
     Ok(html)
 }
 
-/// What is known of other equilibria, in words; `None` where all contacts are closed in the only one.
+/// A sentence on other equilibria; `None` where all contacts are closed in the only one.
 fn others(scene: &Scene, here: &Linearised, reference: &Equilibrium) -> Option<String> {
     let has_open = reference.gap.iter().any(|gap| *gap > 0.0);
     match here.model().uniqueness(reference) {

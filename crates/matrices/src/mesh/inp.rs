@@ -13,7 +13,7 @@ use std::collections::HashMap;
 
 /// The part of the file that the lines of numbers belong to.
 enum Part {
-    /// Nothing that a mesh needs.
+    /// A keyword that a mesh does not need.
     Other,
     Nodes,
     Elements(Shape),
