@@ -444,13 +444,14 @@ fn a_limit_cycle_skips_friction_above_the_static_one_with_a_note() {
     program::assert_refused(&range("friction.coefficient=0.5:0.6:0.1"), 3, &["friction.static"]);
 }
 
-/// Message about a scene file that must be refused with 200 MB of memory within some seconds, most of which are allowed
-/// for machines under load.
+/// Message about a scene file that must be refused within some seconds, most of which are allowed for machines under
+/// load, and with 280 MiB of address space beside the program's own file, which grows with the libraries that it carries.
 #[cfg(unix)]
 fn refused_with_little(folder: &Path, scene: &str, input: Stdio) -> String {
     let program = env!("CARGO_BIN_EXE_amontons");
     let begun = std::time::Instant::now();
-    let command = format!("ulimit -v 300000; exec '{program}' simulate {scene}");
+    let kibibytes = 280 * 1024 + fs::metadata(program).unwrap().len() / 1024;
+    let command = format!("ulimit -v {kibibytes}; exec '{program}' simulate {scene}");
     let output =
         Command::new("sh").args(["-c", &command]).current_dir(folder).stdin(input).output();
     let output = output.unwrap();
