@@ -14,7 +14,7 @@
 //! | `AMONTONS_SEED` | the seed; the seconds since 1970 unless given, so that each run has scenes of its own |
 //! | `AMONTONS_SOAK_SCENES` | how many scenes are run, 100 unless given: half a minute for 1000 on two cores |
 //! | `AMONTONS_SOAK_SCENE` | the number of the only scene that is run |
-//! | `AMONTONS_SOAK_FILE` | a scene file that is run in place of random scenes, by its own integrator |
+//! | `AMONTONS_SOAK_FILE` | a scene file that is run to its stop time in place of random scenes, by its own integrator; superelements are packed ones, as `resources/` of an FMU has them |
 //!
 //! The seed is printed first. A scene that fails is made as small as it goes and written to a file, whose name is printed
 //! last.
@@ -34,7 +34,6 @@ mod random;
 mod ring;
 mod tally;
 
-use amontons::scene::Scene;
 use case::{Case, Plan};
 use outcome::{Outcome, Report};
 use std::collections::BTreeMap;
@@ -155,13 +154,11 @@ fn write(seed: u64, failure: &Failure) -> PathBuf {
     path
 }
 
-/// Runs the scene of a file, whatever it was made of.
+/// Runs the scene of a file.
 fn run_file(path: &str) {
     let (scene, _) = amontons::scene::read(Path::new(path)).unwrap();
-    let plan = Plan::of(&scene);
-    let case = Case { scene: Scene { name: "case".to_owned(), ..scene }, plans: [plan; 2] };
     outcome::listen_to_panics();
-    let report = outcome::run(&case, plan);
+    let report = outcome::run_scene(scene);
     let _ = std::panic::take_hook();
     println!("{report:#?}");
     assert_eq!(report.outcome, Outcome::Kept);

@@ -112,9 +112,22 @@ pub fn listen_to_panics() {
 
 /// Runs a case by one of its plans.
 pub fn run(case: &Case, plan: Plan) -> Report {
+    reported(|report| match read_again(case.planned(plan)) {
+        Ok(scene) => judged(scene, plan, [LONGEST, LONGEST_JUDGED], report),
+        Err(refused) => refused,
+    })
+}
+
+/// Runs a scene by its own plan, for as long as it takes.
+pub fn run_scene(scene: Scene) -> Report {
+    let plan = Plan::of(&scene);
+    reported(|report| judged(scene, plan, [Duration::MAX; 2], report))
+}
+
+/// The report of a run, which may panic.
+fn reported(run: impl FnOnce(&mut Report) -> Outcome) -> Report {
     let mut report = Report::of(Outcome::Kept);
-    let judged = AssertUnwindSafe(|| judged(case, plan, &mut report));
-    match catch_unwind(judged) {
+    match catch_unwind(AssertUnwindSafe(|| run(&mut report))) {
         Ok(outcome) => report.outcome = outcome,
         Err(_) => report.outcome = panicked(SAID.with(|said| said.borrow().clone())),
     }
@@ -127,35 +140,39 @@ fn panicked(said: String) -> Outcome {
     if said.contains("`Err` value: Step(") { end_of(said) } else { Outcome::Broke(said) }
 }
 
-fn judged(case: &Case, plan: Plan, report: &mut Report) -> Outcome {
-    let scene = case.planned(plan);
-    // The file of a failure must hold the scene that failed.
-    let read = match parse("case", &file::text(&scene)) {
-        Ok(read) => read,
-        Err(error) => return Outcome::Refused(refusal(&scene, &error)),
-    };
+/// The scene as read from its text: the file of a failure must hold the scene that failed.
+fn read_again(scene: Scene) -> Result<Scene, Outcome> {
+    let read = parse("case", &file::text(&scene));
+    let read = read.map_err(|error| Outcome::Refused(refusal(scene.method, &error)))?;
     assert_eq!(read, scene, "the file is another scene");
-    let simulation = match Simulation::new(read, 0.0) {
+    Ok(read)
+}
+
+/// Runs a scene under the eyes of the judge. `limits` are the longest times of the run and of its judge.
+fn judged(scene: Scene, plan: Plan, limits: [Duration; 2], report: &mut Report) -> Outcome {
+    let method = scene.method;
+    let simulation = match Simulation::new(scene, 0.0) {
         Ok(simulation) => simulation,
-        Err(error) => return Outcome::Refused(refusal(&scene, &error)),
+        Err(error) => return Outcome::Refused(refusal(method, &error)),
     };
     let mut run = Run::of(simulation);
     run.forgive(FORGIVEN);
-    let outcome = steps(&mut run, plan, report);
+    let outcome = steps(&mut run, plan, limits, report);
     report.let_off = std::mem::take(&mut run.let_off);
     report.ended_hops = run.simulation.statistics().ended_hops;
     outcome
 }
 
 /// The first line of a reason that says something, without the numbers of this scene.
-fn refusal(scene: &Scene, error: &Error) -> String {
+fn refusal(method: Method, error: &Error) -> String {
     let text = error.to_string();
     let lines = text.lines().filter(|line| !line.trim().is_empty());
     let line = lines.clone().find(|line| !line.ends_with(':')).unwrap_or_default();
-    format!("{}: {}", scene.method, line.trim())
+    format!("{method}: {}", line.trim())
 }
 
-fn steps(run: &mut Run, plan: Plan, report: &mut Report) -> Outcome {
+fn steps(run: &mut Run, plan: Plan, limits: [Duration; 2], report: &mut Report) -> Outcome {
+    let [longest, longest_judged] = limits;
     let start = Instant::now();
     let mut judging = Duration::ZERO;
     let mut turned = 0.0;
@@ -172,10 +189,10 @@ fn steps(run: &mut Run, plan: Plan, report: &mut Report) -> Outcome {
             return ended(&error);
         }
         report.steps += 1;
-        if start.elapsed().saturating_sub(judging) > LONGEST {
-            return Outcome::Early(format!("takes longer than {} s", LONGEST.as_secs()));
+        if start.elapsed().saturating_sub(judging) > longest {
+            return Outcome::Early(format!("takes longer than {} s", longest.as_secs()));
         }
-        if judging > LONGEST_JUDGED {
+        if judging > longest_judged {
             report.cut_short = true;
             break;
         }
