@@ -9,6 +9,7 @@ use amontons_analysis::output;
 use amontons_analysis::watch::Watch;
 use amontons_cli::interrupt::watched;
 use amontons_cli::progress::Progress;
+use amontons_cli::say;
 use amontons_matrices::{
     Matrix, align, name_rows, open, read_freedoms, write_freedoms, write_matrix_market, write_npy,
 };
@@ -16,6 +17,7 @@ use amontons_pictures::picture::check_name;
 use amontons_structures::symmetric::{Request, Structure, Superelement, certify, reduce};
 use std::fmt;
 use std::fs;
+use std::io::ErrorKind;
 use table::{Certified, Report};
 
 /// The name of the file with the report.
@@ -110,8 +112,12 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
     if let Some(mesh) = &mesh {
         modes::write(arguments, mesh, &structure, &superelement)?;
     }
-    report.print(&mut std::io::stdout().lock())?;
-    println!("\nwritten to {}", arguments.output.display());
+    match report.print(&mut std::io::stdout().lock()) {
+        // The files are written, and whether the certificate is complete shows in the exit code.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
+        printed => printed?,
+    }
+    say!("\nwritten to {}", arguments.output.display());
     if report.is_complete() { Ok(()) } else { Err(NotShown.into()) }
 }
 
