@@ -2,10 +2,11 @@
 
 use super::banded::{self, Singular};
 use super::closing::{Condensed, Others, Unheld};
-use super::missing::mechanism;
+use super::missing::{held_by_rounding, mechanism};
 use super::{Contact, Entry, LumpedModel, SparseMatrix, ring};
 use crate::Error;
 use crate::contact::ContactState;
+use crate::numerics::max_norm;
 use serde::{Deserialize, Serialize};
 
 /// A closed contact pulls, or an open one is inside its surface, from this part of the largest force or of the terms of
@@ -13,6 +14,8 @@ use serde::{Deserialize, Serialize};
 const COARSE: f64 = 1e-9;
 /// Largest number of degrees of freedom of which full matrices are made.
 const MOST_DENSE: usize = 800;
+/// Rounding of the forces of springs that is more than this part of the largest force decides about an equilibrium.
+const MOST_ROUNDED: f64 = 1e-6;
 /// A gap below this part of its terms is the rounding of zero.
 const FINE: f64 = 1e-12;
 
@@ -84,12 +87,27 @@ impl LumpedModel {
                 name(contact)
             )));
         }
-        match self.solve(&slopes, &self.load) {
+        let found = match self.solve(&slopes, &self.load) {
             // Friction that can stick follows |N|, which this linear solution does not include.
-            Ok(found) if found.pulled_contact().is_none() || self.may_pull(&slopes) => Ok(found),
-            _ if self.law.detachment => self.equilibrium_with_openings(&slopes, name),
-            found => Err(self.explain_pulling(&slopes, &found, name)),
+            Ok(found) if found.pulled_contact().is_none() || self.may_pull(&slopes) => found,
+            _ if self.law.detachment => self.equilibrium_with_openings(&slopes, name)?,
+            found => return Err(self.explain_pulling(&slopes, &found, name)),
+        };
+        if self.is_held_by_rounding(&found) {
+            return Err(held_by_rounding(max_norm(&found.displacement)));
         }
+        Ok(found)
+    }
+
+    /// `true` where rounding of the products K X is of the size of the forces, so that it decides where the structure comes
+    /// to rest: springs do not hold it in some motion, and neither do closed contacts.
+    fn is_held_by_rounding(&self, found: &Equilibrium) -> bool {
+        let mut terms = vec![0.0; self.dofs()];
+        for (row, column, value) in self.stiffness.entries() {
+            terms[row] += (value * found.displacement[column]).abs();
+        }
+        let forces = max_norm(&self.load).max(max_norm(&found.normal_force));
+        f64::EPSILON * max_norm(&terms) > MOST_ROUNDED * forces
     }
 
     /// The equilibrium in which some contacts are open.

@@ -97,6 +97,15 @@ pub(super) fn mechanism() -> Error {
     )
 }
 
+/// The error of a structure that the load carries off to this distance, m.
+pub(super) fn held_by_rounding(distance: f64) -> Error {
+    Error::equilibrium(format!(
+        "no equilibrium: the load would move the structure by {distance:.1e} m, where nothing but the rounding of its \
+         stiffness holds it; springs do not hold it in all its motions: press it on its contacts by a preload or a force, or hold it \
+         by a spring"
+    ))
+}
+
 /// Normal forces beside the place where an equilibrium is lost as friction grows.
 struct Lost {
     /// The largest part of the friction coefficients with an equilibrium.

@@ -1,8 +1,10 @@
 //! The critical step of structures whose mass matrix is full, from a few contact states.
 //!
 //! A hundred contacts that share masses have too many states to examine, and where the mass matrix is full no bound over all of them
-//! is known. The states in which all contacts are alike are examined in their place: contacts that hold lower frequencies, so all open
-//! has the highest ones without friction, and all slide adds what friction does. A state that nearly jams may have higher ones.
+//! is known. Two kinds of states are examined in their place. Those in which all contacts are alike: contacts that hold lower
+//! frequencies, so all open has the highest ones without friction, and all slide adds what friction does. And that of the equilibrium,
+//! in which a run begins and in which it stays where it dies out; the load may leave some of its contacts open. Any other state may
+//! have higher frequencies, or modes that the scheme lets grow.
 
 use super::complex::modulus;
 use super::critical_step::{coarse_limit, squares, state_admits};
@@ -16,12 +18,17 @@ use crate::model::{LinearModel, LumpedModel};
 /// Digits that do not depend on the machine.
 const DIGITS: usize = 6;
 
-/// The states in which all contacts are alike; one where there is no contact.
-fn states(model: &LumpedModel) -> impl Iterator<Item = Vec<ContactState>> {
+/// The states in which all contacts are alike, of which there is one where there is no contact, and that of the equilibrium where
+/// there is one.
+fn states(model: &LumpedModel) -> Vec<Vec<ContactState>> {
     let kinds = if model.contacts.is_empty() { 1 } else { ContactState::ALL.len() };
     let allowed = ContactState::ALL.into_iter().take(kinds);
-    let allowed = allowed.filter(move |state| kinds == 1 || model.law.allows(*state));
-    allowed.map(|state| vec![state; model.contacts.len()])
+    let allowed = allowed.filter(|state| kinds == 1 || model.law.allows(*state));
+    let mut states: Vec<_> = allowed.map(|state| vec![state; model.contacts.len()]).collect();
+    let at_rest = model.equilibrium(&|contact| contact.to_string());
+    let at_rest = at_rest.ok().map(|found| found.states(model));
+    states.extend(at_rest.filter(|found| !states.contains(found)));
+    states
 }
 
 /// A step, s, that all these states admit; a larger one is not known.
@@ -31,7 +38,7 @@ fn states(model: &LumpedModel) -> impl Iterator<Item = Vec<ContactState>> {
 pub(super) fn critical(linear: LinearModel<'_>) -> Result<f64, Error> {
     let model = linear.model();
     check_size(model)?;
-    let limits = states(model).map(|states| coarse_limit(linear, &states));
+    let limits = states(model).into_iter().map(|states| coarse_limit(linear, &states));
     let least = limits.reduce(|a, b| Ok(a?.min(b?))).unwrap_or(Ok(f64::INFINITY))?;
     Ok(to_significant(least, DIGITS))
 }
@@ -40,7 +47,7 @@ pub(super) fn critical(linear: LinearModel<'_>) -> Result<f64, Error> {
 pub(super) fn admit(step: f64, linear: LinearModel<'_>) -> bool {
     let model = linear.model();
     check_size(model).is_ok()
-        && states(model).all(|states| state_admits(step, linear, &states).unwrap_or(false))
+        && states(model).iter().all(|states| state_admits(step, linear, states).unwrap_or(false))
 }
 
 /// The highest frequency without contacts, rad/s; `None` where it is not found.

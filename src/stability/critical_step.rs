@@ -70,7 +70,8 @@ pub enum Origin {
     },
     /// A norm that no eigenvalue of any contact state exceeds: the true limit is not smaller than the step.
     Bound,
-    /// The states in which all contacts are alike, where there are too many others and no bound is known.
+    /// The states in which all contacts are alike and that of the equilibrium, where there are too many others and no bound is
+    /// known.
     Alike,
 }
 
@@ -86,7 +87,11 @@ impl std::fmt::Display for CriticalStep {
                 }
             }
             Origin::Alike => {
-                write!(f, "{:.4e} s (of the states in which all contacts are alike)", self.step)
+                write!(
+                    f,
+                    "{:.4e} s (of the equilibrium's state and those in which all contacts are alike; no guarantee for others)",
+                    self.step
+                )
             }
             Origin::Bound => write!(f, "at least {:.4e} s (a bound for all states)", self.step),
         }

@@ -161,7 +161,7 @@ pub fn locus<'py>(
         let at = |value: f64| watch.check().and_then(|()| with(value));
         #[allow(clippy::cast_precision_loss)]
         let done = |done: usize, of: usize| (watch.progress)(done as f64 / of as f64);
-        loci::locus(&at, &states, &values, &done)
+        loci::locus(&at, &states, &values, loci::ALL_FREQUENCIES, &done)
     })?
     .map_err(raised)?;
     let result = PyDict::new(py);

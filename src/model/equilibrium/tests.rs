@@ -209,6 +209,55 @@ fn a_load_that_pulls_a_loose_structure_off_is_told() {
     assert!(message.contains("pulls the structure off its contacts"), "{message}");
 }
 
+/// A free body of eight nodes on three contacts in a plane, held by springs within that plane alone. A load outside of the three
+/// tips it over: rounding of its stiffness, which is singular, once held it, some 10¹¹ m away.
+#[test]
+fn rounding_of_a_stiffness_holds_no_structure() {
+    let mut random = 1_u64;
+    let mut next = || {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (random >> 40) as f64 / 16_777_216.0
+    };
+    for _ in 0..1500 {
+        let (nodes, unit) = (8, 1e5 * next());
+        // Three contacts below, and the node that is loaded beyond the line from the first to the second.
+        let mut places: Vec<[f64; 3]> =
+            (0..nodes).map(|_| [next(), 1.0 + next(), next()]).collect();
+        places[0] = [0.0, 0.0, 0.0];
+        places[1] = [1.0, 0.0, 0.0];
+        places[3] = [0.3 + 0.4 * next(), -0.5 - next(), next()];
+        let mut entries = Vec::new();
+        for a in 0..nodes {
+            for b in 0..a {
+                let along: Vec<f64> = (0..3).map(|i| places[a][i] - places[b][i]).collect();
+                let square: f64 = along.iter().map(|d| d * d).sum();
+                for i in 0..3 {
+                    for j in 0..3 {
+                        let part = unit * along[i] * along[j] / square;
+                        entries
+                            .extend([(3 * a + i, 3 * a + j, part), (3 * b + i, 3 * b + j, part)]);
+                        entries
+                            .extend([(3 * a + i, 3 * b + j, -part), (3 * b + i, 3 * a + j, -part)]);
+                    }
+                }
+            }
+        }
+        entries.extend([(0, 0, unit), (1, 1, unit), (3, 3, unit), (4, 4, unit)]);
+        let mut model = row(&[0.0; 3], &[0.0; 3], 0.2, 1.0);
+        model.stiffness = SparseMatrix::from_entries(3 * nodes, entries);
+        model.mass = SparseMatrix::diagonal(&vec![1.0; 3 * nodes]);
+        model.dampers = SparseMatrix::zero(3 * nodes);
+        model.load = vec![0.0; 3 * nodes];
+        model.load[3 * 3 + 2] = -30.0;
+        for (node, contact) in model.contacts.iter_mut().enumerate() {
+            contact.normal = Direction::unit(3 * node + 2);
+            contact.tangent = Direction::unit(3 * node);
+        }
+        let found = model.equilibrium(&number);
+        assert!(found.is_err(), "{:?} {:?}", found, places);
+    }
+}
+
 #[test]
 fn a_second_equilibrium_is_told_with_its_contacts() {
     // N (4 − µ) = −12 N for a load that lifts: beyond µ = 4 the wedge holds itself, and it may also be open.

@@ -3,7 +3,7 @@
 
 use super::growth::growth;
 use super::linearised::Linearised;
-use super::locus::{Crossing, Locus, growing, locus};
+use super::locus::{ALL_FREQUENCIES, Crossing, Locus, growing, locus};
 use super::parallel;
 use super::state_energy::{StateEnergy, state_energy};
 use super::states::StateClasses;
@@ -103,8 +103,13 @@ pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<B
     let (mut uniform, mut stable) = (Vec::new(), Vec::new());
     for &[from, to] in equilibrium.iter().filter(|[from, to]| from < to) {
         let steps = ((to - from) / STEP).ceil().max(FEWEST_STEPS);
-        let found =
-            locus(&|mu| Ok(at(mu)), &uniform_state, &spread([from, to], steps), &|_, _| {})?;
+        let found = locus(
+            &|mu| Ok(at(mu)),
+            &uniform_state,
+            &spread([from, to], steps),
+            ALL_FREQUENCIES,
+            &|_, _| {},
+        )?;
         stable.extend(stable_ranges(&found));
         uniform.extend(found.crossings);
     }

@@ -5,7 +5,7 @@ use super::{Journal, ObservationSettings, Watch, drive};
 use crate::assign::{assign, value_of};
 use crate::orbit::{Branch, Continued, Flow, FlowAt, branch, check_signals};
 use crate::stability::candidates::{spread, stable_ranges};
-use crate::stability::locus::locus;
+use crate::stability::locus::{ALL_FREQUENCIES, locus};
 use crate::stability::{Linearised, linearity_limit, modes};
 use amontons::Error;
 use amontons::scene::Scene;
@@ -127,7 +127,7 @@ pub fn branches(
 
 /// Uniform sliding over the range.
 fn rest_branch(
-    scene_at: &dyn Fn(f64) -> Result<Scene, Error>,
+    scene_at: &(dyn Fn(f64) -> Result<Scene, Error> + Sync),
     range: [f64; 2],
 ) -> Result<RestBranch, Error> {
     let model_at = |value: f64| Ok(Linearised::of(&scene_at(value)?));
@@ -141,7 +141,7 @@ fn rest_branch(
             there.equilibrium_in(&states)?;
         }
     }
-    let found = locus(&model_at, &states, &looked_at, &|_, _| {})?;
+    let found = locus(&model_at, &states, &looked_at, ALL_FREQUENCIES, &|_, _| {})?;
     let mut crossings = Vec::new();
     for crossing in &found.crossings {
         let there = model_at(crossing.value)?;

@@ -6,7 +6,7 @@ use amontons::model::LumpedModel;
 use amontons::scene::{Scene, builtin, parse};
 use amontons::stability::Spectrum;
 use amontons_analysis::stability::candidates::{bistability, closed_at_rest};
-use amontons_analysis::stability::locus::locus;
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, locus};
 use amontons_analysis::stability::{Linearised, linearity_limit, modes};
 use amontons_analysis::watch::Watch;
 
@@ -147,7 +147,7 @@ fn a_damper_on_one_direction_makes_hoffmanns_model_flutter_earlier() {
     let scene = parse("damped", &format!("{text}{damper}")).unwrap();
     let values: Vec<f64> = (0..=100).map(|i| 0.01 * f64::from(i)).collect();
     let model_at = |mu| Ok(Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() }));
-    let found = locus(&model_at, &[Slide], &values, &|_, _| {}).unwrap();
+    let found = locus(&model_at, &[Slide], &values, ALL_FREQUENCIES, &|_, _| {}).unwrap();
     let [onset] = found.crossings[..] else { panic!("{found:?}") };
     assert!((onset.value - 0.19756985620).abs() < 1e-9, "{onset:?}");
     assert!(found.coalescences.is_empty() && found.approaches.len() == 1);

@@ -7,7 +7,7 @@ use amontons::scene::{BUILTIN, Method, Scene, builtin};
 use amontons::simulation::{Simulation, variables};
 use amontons_analysis::assign::assign;
 use amontons_analysis::stability::Linearised;
-use amontons_analysis::stability::locus::{Locus, locus};
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, locus};
 use amontons_analysis::warning::step_warning;
 use amontons_export::package::{self, Library};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -64,7 +64,7 @@ fn over_friction(scene: &Scene, states: &[ContactState], last: f64) -> Locus {
     let model = LumpedModel::from(scene);
     let values: Vec<f64> = (0..=100).map(|i| 0.01 * last * f64::from(i)).collect();
     let model_at = |mu: f64| Ok(Linearised::from(model.clone().with_friction(mu)));
-    locus(&model_at, states, &values, &|_, _| {}).unwrap()
+    locus(&model_at, states, &values, ALL_FREQUENCIES, &|_, _| {}).unwrap()
 }
 
 /// Asserts that a value is as near to the expected one as told.

@@ -8,7 +8,7 @@ use amontons::numerics::range;
 use amontons::scene::{Scene, Structure};
 use amontons_analysis::stability::Linearised;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
-use amontons_analysis::stability::locus::{Crossing, Locus, locus};
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Crossing, Locus, locus};
 use amontons_pictures::picture::{Chart, Mark, PALETTE, locus_chart, significant};
 
 /// The most degrees of freedom of which modes are followed in an export: a second of work.
@@ -93,8 +93,14 @@ pub(super) fn followed(
     let values: Vec<f64> =
         (0..=STEPS).map(|step| last * (f64::from(step) / f64::from(STEPS))).collect();
     let at = |value: f64| with_friction(scene, axis, value);
-    let locus = locus(&|value| Ok(Linearised::of(&at(value))), states, &values, &|_, _| {})
-        .map_err(|error| format!("The modes cannot be followed over friction: {error}."))?;
+    let locus = locus(
+        &|value| Ok(Linearised::of(&at(value))),
+        states,
+        &values,
+        ALL_FREQUENCIES,
+        &|_, _| {},
+    )
+    .map_err(|error| format!("The modes cannot be followed over friction: {error}."))?;
     let has_equilibrium =
         |value: f64| Linearised::of(&at(value)).equilibrium_in(states).map(|_| ());
     if locus.branches.is_empty() {

@@ -32,12 +32,13 @@ pub fn locus_chart(title: String, x_label: String, loci: &[(Option<String>, &Loc
 fn curves(loci: &[(Option<String>, &Locus)], part: fn(&Root) -> f64) -> Vec<Series> {
     let mut curves = Vec::new();
     for (place, (label, locus)) in loci.iter().enumerate() {
-        for (mode, branch) in locus.branches.iter().enumerate() {
+        for (mode, branch) in locus.followed() {
             let (label, colour) = match label {
                 Some(label) => (label.clone(), place),
                 None => (format!("mode {}", mode + 1), mode),
             };
             let points = locus.values.iter().zip(branch);
+            let points = points.filter(|(_, root)| locus.contains(**root));
             curves.push(Series {
                 label: Some(label),
                 points: points.map(|(&x, root)| [x, part(root)]).collect(),

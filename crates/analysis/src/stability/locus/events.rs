@@ -1,6 +1,6 @@
 //! Events of root loci, located to the last digits: roots that merge, and modes that begin to grow.
 
-use super::follow::Evaluate;
+use super::follow::{Evaluate, Watched};
 use super::{Approach, Coalescence, Crossing, Root};
 use amontons::{Error, numerics};
 use nalgebra::Complex;
@@ -26,20 +26,40 @@ pub(super) fn locate_coalescence(
     Ok(Coalescence { value, modes, frequency_hz: at(value)?.lambda.im / TAU, merge })
 }
 
+/// Number of points by regula falsi that may fail to halve an interval before its middle is taken.
+const PATIENCE: u32 = 3;
+
 /// A value of the parameter and the root of a branch there.
 pub(super) type BranchPoint = (f64, Root);
 
-/// Bisects on the sign of Re λ along one branch, between two points that differ in it.
+/// Locates a change of the sign of Re λ along one branch, between two points that differ in it, to neighbouring doubles.
+/// Points are chosen by regula falsi (with the weights of the Illinois algorithm), and in the middle where that narrows the
+/// interval too slowly.
 pub(super) fn locate_crossing(
     evaluate: &Evaluate<'_>,
     mode: usize,
     [from, to]: [BranchPoint; 2],
 ) -> Result<Crossing, Error> {
     let (mut low, mut high) = (from, to);
+    let mut weights = [low, high].map(|(_, root)| root.lambda.re);
+    let (mut last_side, mut patience) = (None, PATIENCE);
+    let mut goal = 0.5 * (high.0 - low.0);
     while let Some(middle) = numerics::middle(low.0, high.0) {
-        let point = on_branch(evaluate, [low, high], middle)?;
-        let side = if point.1.grows() == from.1.grows() { &mut low } else { &mut high };
-        *side = point;
+        let falsi = low.0 - weights[0] * (high.0 - low.0) / (weights[1] - weights[0]);
+        let is_inside = low.0 < falsi && falsi < high.0;
+        let value = if is_inside && patience > 0 { falsi } else { middle };
+        let point = on_branch(evaluate, [low, high], value)?;
+        let side = usize::from(point.1.grows() != from.1.grows());
+        *[&mut low, &mut high][side] = point;
+        weights[side] = point.1.lambda.re;
+        if last_side == Some(side) {
+            weights[1 - side] *= 0.5;
+        }
+        last_side = Some(side);
+        patience = patience.saturating_sub(1);
+        if high.0 - low.0 <= goal {
+            (goal, patience) = (0.5 * (high.0 - low.0), PATIENCE);
+        }
     }
     // The frequency is that of the mode which grows: zero where it diverges.
     let (stable, growing) = if from.1.grows() { (high, low) } else { (low, high) };
@@ -62,6 +82,7 @@ fn on_branch(
 /// Re λ comes nearest to zero among the points, its extremum is sought beside that place.
 pub(super) fn hidden_crossings(
     evaluate: &Evaluate<'_>,
+    watched: Watched,
     trace: &[BranchPoint],
     mode: usize,
 ) -> Result<Vec<Crossing>, Error> {
@@ -71,7 +92,7 @@ pub(super) fn hidden_crossings(
         let one_side = [left, right].iter().all(|point| point.1.grows() == middle.1.grows());
         let below = |point: &BranchPoint| -point.1.lambda.re.abs();
         let rise = [left, right].map(|side| below(&middle) - below(&side));
-        let is_peak = one_side && rise[0] >= 0.0 && rise[1] > 0.0;
+        let is_peak = watched.contains(middle.1) && one_side && rise[0] >= 0.0 && rise[1] > 0.0;
         // A smooth curve rises between points by no more than it fell to the next.
         if !is_peak || below(&middle) + 2.0 * rise[0].max(rise[1]) < 0.0 {
             continue;
@@ -99,19 +120,22 @@ fn other_side(
 /// Modes further apart than this part of their frequency do not come near each other.
 const NEAR: f64 = 0.05;
 
-/// Values at which modes come nearest to each other, by the points of all branches, which are at the same values.
+/// Values at which watched modes come nearest to each other, by the points of all branches, which are at the same values.
 pub(super) fn closest_approaches(
     evaluate: &Evaluate<'_>,
+    watched: Watched,
     trace: &[Vec<BranchPoint>],
 ) -> Result<Vec<Approach>, Error> {
     let mut found = Vec::new();
+    let is_watched = |pair: &[Root; 2]| pair.iter().all(|&root| watched.contains(root));
     for (i, a) in trace.iter().enumerate() {
         for (j, b) in trace.iter().enumerate().skip(i + 1) {
             for (a, b) in a.windows(3).zip(b.windows(3)) {
                 let pair = |k: usize| (a[k].0, [a[k].1, b[k].1]);
                 let around = [0, 1, 2].map(pair);
                 let [left, middle, right] = around.map(|(_, pair)| distance(&pair));
-                if middle < left && middle <= right && middle < NEAR * a[1].1.lambda.norm() {
+                let is_near = middle < NEAR * a[1].1.lambda.norm() && is_watched(&around[1].1);
+                if middle < left && middle <= right && is_near {
                     let (value, pair) = nearest_of_pair(evaluate, around)?;
                     found.push(Approach {
                         value,

@@ -4,6 +4,7 @@ use super::events::{
     BranchPoint, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
 };
 use super::{Approach, Coalescence, Crossing, Root, order_of_merged};
+use crate::stability::parallel;
 use amontons::Error;
 use nalgebra::Complex;
 use std::cmp::Ordering;
@@ -17,8 +18,28 @@ const FEWEST_STEPS: f64 = 200.0;
 /// An extremum beside an end of the range shows at a point this part of a step from it.
 const BESIDE_END: f64 = 1e-3;
 
+/// Number of values at which roots are found side by side, on all cores.
+const SIDE_BY_SIDE: usize = 8;
+
 /// Gives the roots at a value of the parameter; always the same number of them.
-pub(super) type Evaluate<'a> = dyn Fn(f64) -> Result<Vec<Root>, Error> + 'a;
+pub(super) type Evaluate<'a> = dyn Fn(f64) -> Result<Vec<Root>, Error> + Sync + 'a;
+
+/// The roots that matter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Watched {
+    /// Bounds of Im λ, 1/s.
+    pub(super) frequencies: [f64; 2],
+    /// `true` if roots can merge; where they cannot, their closest approaches are found.
+    pub(super) merge: bool,
+}
+
+impl Watched {
+    /// `true` if the frequency of a root lies between the bounds.
+    pub(super) fn contains(&self, root: Root) -> bool {
+        let [from, to] = self.frequencies;
+        (from..=to).contains(&root.lambda.im)
+    }
+}
 
 /// Roots that have been followed.
 #[derive(Debug, Default)]
@@ -33,17 +54,18 @@ pub(super) struct FollowedRoots {
     pub(super) undecided: Vec<f64>,
 }
 
-/// Follows all roots over ascending values; `done` hears of each value done. Where roots come near each other is found for
-/// those that do not merge.
+/// Follows all roots over ascending values; those that are not watched may change places with each other. `done` hears of
+/// each value done, and at last of the events.
 pub(super) fn follow(
     evaluate: &Evaluate<'_>,
     values: &[f64],
-    merge: bool,
+    watched: Watched,
     done: &dyn Fn(),
 ) -> Result<FollowedRoots, Error> {
     let first = evaluate(values[0])?;
     let mut tracker = Tracker {
         evaluate,
+        watched,
         value: values[0],
         rates: vec![Complex::new(0.0, 0.0); first.len()],
         trace: first.iter().map(|&root| vec![(values[0], root)]).collect(),
@@ -52,25 +74,18 @@ pub(super) fn follow(
     };
     let mut branches: Vec<Vec<Root>> = tracker.roots.iter().map(|&root| vec![root]).collect();
     let last = values[values.len() - 1];
-    let longest = (last - values[0]) / FEWEST_STEPS;
-    let beside =
-        BESIDE_END * longest.min(values[1] - values[0]).min(last - values[values.len() - 2]);
     done();
-    tracker.follow_to(values[0] + beside, 0)?;
-    for pair in values.windows(2) {
-        let steps = ((pair[1] - pair[0]) / longest).ceil().clamp(1.0, FEWEST_STEPS);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        for i in 1..steps as u32 {
-            tracker.follow_to(pair[0] + (pair[1] - pair[0]) * (f64::from(i) / steps), 0)?;
+    for points in grid(values).chunks(SIDE_BY_SIDE) {
+        let roots = parallel::collect(points.len(), &|i| evaluate(points[i].value), &|_| {})?;
+        for (point, found) in points.iter().zip(roots) {
+            tracker.move_to(point.value, found, 0)?;
+            if point.is_given {
+                for (branch, &root) in branches.iter_mut().zip(&tracker.roots) {
+                    branch.push(root);
+                }
+                done();
+            }
         }
-        if pair[1] == last {
-            tracker.follow_to(last - beside, 0)?;
-        }
-        tracker.follow_to(pair[1], 0)?;
-        for (branch, &root) in branches.iter_mut().zip(&tracker.roots) {
-            branch.push(root);
-        }
-        done();
     }
     let Tracker { trace, mut found, .. } = tracker;
     // Roots that merge are undecided by nature at the merging, and are numbered by a rule.
@@ -80,16 +95,46 @@ pub(super) fn follow(
         coalescences.iter().all(|event| (event.value - value).abs() > 1e-6 * range)
     });
     for (mode, trace) in trace.iter().enumerate() {
-        found.crossings.extend(hidden_crossings(evaluate, trace, mode)?);
+        found.crossings.extend(hidden_crossings(evaluate, watched, trace, mode)?);
     }
-    if !merge {
-        found.approaches = closest_approaches(evaluate, &trace)?;
+    if !watched.merge {
+        found.approaches = closest_approaches(evaluate, watched, &trace)?;
     }
+    done();
     Ok(FollowedRoots { branches, ..found })
+}
+
+/// A value at which roots are found.
+struct GridPoint {
+    value: f64,
+    /// `true` if the caller has given the value.
+    is_given: bool,
+}
+
+/// The values after the first one, with others between them and beside both ends of the range.
+fn grid(values: &[f64]) -> Vec<GridPoint> {
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let longest = (last - first) / FEWEST_STEPS;
+    let beside = BESIDE_END * longest.min(values[1] - first).min(last - values[values.len() - 2]);
+    let between = |value: f64| GridPoint { value, is_given: false };
+    let mut points = vec![between(first + beside)];
+    for pair in values.windows(2) {
+        let steps = ((pair[1] - pair[0]) / longest).ceil().clamp(1.0, FEWEST_STEPS);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let inner =
+            (1..steps as u32).map(|i| pair[0] + (pair[1] - pair[0]) * (f64::from(i) / steps));
+        points.extend(inner.map(between));
+        if pair[1] == last {
+            points.push(between(last - beside));
+        }
+        points.push(GridPoint { value: pair[1], is_given: true });
+    }
+    points
 }
 
 struct Tracker<'a> {
     evaluate: &'a Evaluate<'a>,
+    watched: Watched,
     value: f64,
     roots: Vec<Root>,
     /// dσ/dp of each branch over the last step.
@@ -100,9 +145,8 @@ struct Tracker<'a> {
 }
 
 impl Tracker<'_> {
-    /// Moves to another value, in halves where the roots there cannot be told apart.
-    fn follow_to(&mut self, value: f64, halvings: u32) -> Result<(), Error> {
-        let found = (self.evaluate)(value)?;
+    /// Moves to another value, at which roots have been found, in halves where they cannot be told apart.
+    fn move_to(&mut self, value: f64, found: Vec<Root>, halvings: u32) -> Result<(), Error> {
         if found.len() != self.roots.len() {
             return Err(Error::analysis(format!(
                 "the modes cannot be followed: their number changes from {} to {} at the parameter value {value}",
@@ -119,10 +163,11 @@ impl Tracker<'_> {
             .collect();
         let mut order = assign(&predicted, &found);
         self.number_merged(&found, &mut order);
-        if is_ambiguous(&predicted, &found, &order) {
+        if is_ambiguous(&predicted, &found, &order, self.watched) {
             if halvings < MAX_HALVINGS {
-                self.follow_to(self.value + 0.5 * step, halvings + 1)?;
-                return self.follow_to(value, halvings + 1);
+                let middle = self.value + 0.5 * step;
+                self.move_to(middle, (self.evaluate)(middle)?, halvings + 1)?;
+                return self.move_to(value, found, halvings + 1);
             }
             self.found.undecided.push(value);
         }
@@ -160,6 +205,9 @@ impl Tracker<'_> {
     fn note_events(&mut self, value: f64, next: &[Root]) -> Result<(), Error> {
         let mut paired = vec![false; next.len()];
         for i in 0..next.len() {
+            if ![self.roots[i], next[i]].iter().any(|&root| self.watched.contains(root)) {
+                continue;
+            }
             if self.roots[i].is_real() != next[i].is_real() && !paired[i] {
                 let merge = self.roots[i].is_real();
                 let pair = if merge { next } else { &self.roots };
@@ -203,9 +251,15 @@ fn assign(predicted: &[Complex<f64>], found: &[Root]) -> Vec<usize> {
     order
 }
 
-/// `true` if a branch might as well continue in another root. Double roots count as one.
-fn is_ambiguous(predicted: &[Complex<f64>], found: &[Root], order: &[usize]) -> bool {
-    predicted.iter().zip(order).any(|(predicted, &place)| {
+/// `true` if a watched branch might as well continue in another root. Double roots count as one.
+fn is_ambiguous(
+    predicted: &[Complex<f64>],
+    found: &[Root],
+    order: &[usize],
+    watched: Watched,
+) -> bool {
+    let pairs = predicted.iter().zip(order);
+    pairs.filter(|&(_, &place)| watched.contains(found[place])).any(|(predicted, &place)| {
         let own = found[place].sigma;
         let miss = (predicted - own).norm();
         found.iter().any(|other| {

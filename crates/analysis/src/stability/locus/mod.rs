@@ -24,8 +24,9 @@ use amontons::stability::reduced_problem::quadratic_roots;
 use amontons::stability::symmetry::{SymmetrySector, all_stiffness_eigenvalues};
 use nalgebra::Complex;
 use std::cmp::Ordering;
+use std::f64::consts::TAU;
 
-use follow::{FollowedRoots, follow};
+use follow::{FollowedRoots, Watched, follow};
 
 /// One eigenvalue of a contact state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,6 +146,23 @@ pub struct Locus {
     pub undecided: Vec<f64>,
     /// `true` where damping other than α M + β K couples the modes: they come near each other and do not merge.
     pub is_damped: bool,
+    /// Bounds of the frequencies of the modes that were followed, Hz. Modes outside of them may have changed places.
+    pub frequencies: [f64; 2],
+}
+
+impl Locus {
+    /// The followed branches with their numbers, from 0: those with a root between the bounds of the frequencies.
+    pub fn followed(&self) -> impl Iterator<Item = (usize, &[Root])> {
+        let branches = self.branches.iter().map(Vec::as_slice).enumerate();
+        branches.filter(|(_, branch)| branch.iter().any(|root| self.contains(*root)))
+    }
+
+    /// `true` if the frequency of a root lies between the bounds.
+    #[must_use]
+    pub fn contains(&self, root: Root) -> bool {
+        let [from, to] = self.frequencies;
+        (from..=to).contains(&(root.lambda.im / TAU))
+    }
 }
 
 /// Two modes with one eigenvalue.
@@ -187,12 +205,17 @@ pub struct Crossing {
 }
 
 /// The model that belongs to a value of the parameter.
-pub type ModelAt<'a> = dyn Fn(f64) -> Result<Linearised, Error> + 'a;
+pub type ModelAt<'a> = dyn Fn(f64) -> Result<Linearised, Error> + Sync + 'a;
+
+/// All frequencies, Hz.
+pub const ALL_FREQUENCIES: [f64; 2] = [0.0, f64::INFINITY];
 
 /// Follows all modes of a contact state over ascending values of a parameter, of which there are at
-/// least two, in steps of at most a two-hundredth of the range; `done` hears of each value done in
-/// each of the parts, whose number the first call of it has heard. A mode that grows only within a
-/// narrower range, without a sign of it beside that, is missed.
+/// least two, in steps of at most a two-hundredth of the range. Events are those of modes with a
+/// frequency between two bounds (Hz); other modes may change places with each other. A mode that
+/// grows only within less than a step, without a sign of it beside that, is missed.
+///
+/// `done` hears how many pieces of the work are done, and of how many.
 ///
 /// # Errors
 /// Returns an error if `model_at` fails, or if a state cannot be analysed.
@@ -200,6 +223,7 @@ pub fn locus(
     model_at: &ModelAt<'_>,
     states: &[ContactState],
     values: &[f64],
+    frequencies: [f64; 2],
     done: &dyn Fn(usize, usize),
 ) -> Result<Locus, Error> {
     let [first, .., last] = values else {
@@ -216,7 +240,9 @@ pub fn locus(
         let parts = SymmetrySector::all(ends, states);
         parts.into_iter().map(|part| (Followable::Stiffness(part), part.copies())).collect()
     };
-    let all = parts.len() * values.len();
+    let watched = Watched { frequencies: frequencies.map(|bound| TAU * bound), merge: !is_damped };
+    // The events of a part are one more piece of work.
+    let all = parts.len() * (values.len() + 1);
     let count = std::cell::Cell::new(0);
     let mut followed = Vec::new();
     for &(part, copies) in &parts {
@@ -225,9 +251,9 @@ pub fn locus(
             count.set(count.get() + 1);
             done(count.get(), all);
         };
-        followed.push((follow(&evaluate, values, !is_damped, &one_done)?, copies));
+        followed.push((follow(&evaluate, values, watched, &one_done)?, copies));
     }
-    Ok(Locus { is_damped, ..together(values, followed) })
+    Ok(Locus { is_damped, frequencies, ..together(values, followed) })
 }
 
 /// Joins parts, each with its multiplicity, into one locus, and numbers its modes.
@@ -279,6 +305,7 @@ fn together(values: &[f64], parts: Vec<(FollowedRoots, usize)>) -> Locus {
         approaches,
         undecided,
         is_damped: false,
+        frequencies: ALL_FREQUENCIES,
     }
 }
 

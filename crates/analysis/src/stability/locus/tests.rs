@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 fn over_friction(model: &LumpedModel, values: &[f64]) -> Locus {
     let states = vec![ContactState::Slide; model.contacts.len()];
     let at = |mu: f64| Ok(Linearised::from(model.clone().with_friction(mu)));
-    locus(&at, &states, values, &|_, _| {}).unwrap()
+    locus(&at, &states, values, ALL_FREQUENCIES, &|_, _| {}).unwrap()
 }
 
 fn of_set(name: &str) -> LumpedModel {
@@ -19,7 +19,8 @@ fn of_set(name: &str) -> LumpedModel {
 
 /// A locus of single roots.
 fn of_roots(evaluate: &follow::Evaluate<'_>, values: &[f64]) -> Locus {
-    together(values, vec![(follow(evaluate, values, true, &|| {}).unwrap(), 1)])
+    let watched = Watched { frequencies: ALL_FREQUENCIES, merge: true };
+    together(values, vec![(follow(evaluate, values, watched, &|| {}).unwrap(), 1)])
 }
 
 fn grid(end: f64, step: f64) -> Vec<f64> {
@@ -143,7 +144,7 @@ fn modules_that_nothing_joins_merge_each_on_its_own() {
     let model = LumpedModel::from(&scene);
     let states = [ContactState::Slide, ContactState::Slide, ContactState::Stick];
     let model_at = |mu: f64| Ok(Linearised::from(model.clone().with_friction(mu)));
-    let found = locus(&model_at, &states, &grid(3.5, 0.5), &|_, _| {}).unwrap();
+    let found = locus(&model_at, &states, &grid(3.5, 0.5), ALL_FREQUENCIES, &|_, _| {}).unwrap();
     let mut modes: Vec<usize> = found.coalescences.iter().flat_map(|c| c.modes).collect();
     modes.sort_unstable();
     modes.dedup();
@@ -266,6 +267,49 @@ fn modes_come_nearest_at_the_same_places_on_every_grid_and_beside_the_ends_of_a_
         let found = over_friction(&model, &range).approaches;
         let is_there = |a: &&Approach| (a.value - first.value).abs() < 1e-6;
         assert_eq!(found.iter().filter(is_there).count(), 1, "{range:?}: {found:?}");
+    }
+}
+
+/// Bounds of the frequencies leave out events of other modes, and change nothing of those between them.
+#[test]
+fn modes_between_two_frequencies_have_the_events_that_they_have_among_all_modes() {
+    let mut damped = of_set("set1");
+    damped.dampers = SparseMatrix::from_entries(8, vec![(0, 0, 1.0)]);
+    for model in [of_set("set1"), damped] {
+        let states = vec![ContactState::Slide; model.contacts.len()];
+        let at = |mu: f64| Ok(Linearised::from(model.clone().with_friction(mu)));
+        let [all, some] = [ALL_FREQUENCIES, [150.0, 200.0]].map(|frequencies| {
+            locus(&at, &states, &grid(3.5, 0.05), frequencies, &|_, _| {}).unwrap()
+        });
+        let is_between = |frequency: f64| (150.0..=200.0).contains(&frequency);
+        let crossings = all.crossings.iter().filter(|c| is_between(c.frequency_hz)).copied();
+        assert_eq!(crossings.collect::<Vec<_>>(), some.crossings);
+        let merged = all.coalescences.iter().filter(|c| is_between(c.frequency_hz)).copied();
+        assert_eq!(merged.collect::<Vec<_>>(), some.coalescences);
+        let near = all.approaches.iter().filter(|a| is_between(a.frequency_hz)).copied();
+        assert_eq!(near.collect::<Vec<_>>(), some.approaches);
+        assert_eq!(some.crossings.len(), 1, "{:?}", some.crossings);
+        assert!(all.crossings.len() == 2 && all.followed().count() > some.followed().count());
+    }
+}
+
+/// A bisection alone takes some fifty evaluations of all modes.
+#[test]
+fn the_value_at_which_a_mode_begins_to_grow_takes_few_evaluations() {
+    let count = std::sync::atomic::AtomicUsize::new(0);
+    let zero = 1.0 / 3.0;
+    for rate in [1.0, 1e-6, 1e6] {
+        let evaluate = |value: f64| {
+            count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let growth = rate * (libm::exp(value) - libm::exp(zero));
+            Ok(vec![Root { sigma: Complex::new(1.0, 0.0), lambda: Complex::new(growth, 1.0) }])
+        };
+        let ends = [0.0, 1.0].map(|value| (value, evaluate(value).unwrap()[0]));
+        count.store(0, std::sync::atomic::Ordering::Relaxed);
+        let found = events::locate_crossing(&evaluate, 0, ends).unwrap();
+        assert!((found.value - zero).abs() <= 2.0 * f64::EPSILON, "{found:?}");
+        let count = count.load(std::sync::atomic::Ordering::Relaxed);
+        assert!(count < 20, "{rate}: {count}");
     }
 }
 

@@ -11,7 +11,7 @@ use amontons_analysis::assign::assign;
 use amontons_analysis::patterns::in_words;
 use amontons_analysis::stability::Linearised;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
-use amontons_analysis::stability::locus::{Locus, locus};
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, Root, locus};
 use amontons_analysis::sweep::range::MAX_VALUES;
 use amontons_analysis::sweep::{FRICTION, Possible, axis};
 use amontons_cli::arguments::Values;
@@ -26,6 +26,8 @@ struct Family<'a> {
     /// Notes on values that are left out.
     notes: Vec<String>,
     states: Vec<ContactState>,
+    /// Bounds of the frequencies, Hz.
+    frequencies: [f64; 2],
     /// The parameter along x.
     name: &'a str,
     values: &'a [f64],
@@ -129,8 +131,16 @@ pub fn run(arguments: &LocusArguments, out: &mut dyn Write) -> Result<(), Failur
     }
     let first = with(scene, name, values[0])?;
     let states = state(arguments.state.as_deref(), scene, &Linearised::of(&first))?;
-    let mut family =
-        Family { given: &given, notes, states, name, values: &values, other, members: Vec::new() };
+    let mut family = Family {
+        given: &given,
+        notes,
+        states,
+        frequencies: arguments.frequencies.unwrap_or(ALL_FREQUENCIES),
+        name,
+        values: &values,
+        other,
+        members: Vec::new(),
+    };
     let progress = Progress::in_parts("the locus");
     match others {
         None => family.follow(None, is_uniform, &|part| progress.set_part(part))?,
@@ -179,7 +189,7 @@ impl Family<'_> {
             return Err(self.explain_missing_slopes(&equilibrium, has_equilibrium));
         }
         let done = |done: usize, all: usize| progress(done as f64 / all as f64);
-        let locus = locus(&here, &self.states, self.values, &done)?;
+        let locus = locus(&here, &self.states, self.values, self.frequencies, &done)?;
         let equilibrium = is_uniform.then_some(equilibrium);
         self.members.push(Member { at, locus, equilibrium });
         Ok(())
@@ -239,8 +249,10 @@ impl Family<'_> {
         for Member { at, locus, .. } in &self.members {
             let first = at.map_or_else(String::new, |at| format!("{at:?},"));
             for (i, value) in locus.values.iter().enumerate() {
-                for (mode, branch) in locus.branches.iter().enumerate() {
-                    let lambda = branch[i].lambda;
+                let followed = locus.followed().map(|(mode, branch)| (mode, branch[i]));
+                for (mode, Root { lambda, .. }) in
+                    followed.filter(|(_, root)| locus.contains(*root))
+                {
                     writeln!(
                         out,
                         "{first}{value:?},{},{:?},{:?},{:?}",
@@ -377,7 +389,8 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
         writeln!(out, "    {}  {}", significant(event.value, LOCATED), turn(event))?;
     }
     if locus.crossings.is_empty() {
-        let grows = locus.branches.iter().any(|branch| branch[0].lambda.re > 0.0);
+        let firsts = locus.branches.iter().map(|branch| branch[0]);
+        let grows = firsts.filter(|&root| locus.contains(root)).any(|root| root.lambda.re > 0.0);
         writeln!(
             out,
             "    none found: {}",
