@@ -98,16 +98,16 @@ impl Meshes {
     /// # Errors
     /// Returns an error if no mode oscillates, or if the picture cannot be drawn or written.
     pub fn draw(&self, path: &Path, title: String, modes: &[Numbered<'_>]) -> Result<(), Error> {
-        let mut modes = oscillating(modes)?;
-        modes.sort_by_key(|(number, mode)| (-mode.damping_ratio() <= GROWS, *number));
-        if modes.len() > DRAWN {
+        let modes = oscillating(modes)?;
+        let drawn = drawn(&modes);
+        if drawn.len() < modes.len() {
             eprintln!(
                 "note: {} of {} modes are drawn, those that grow first; --frequencies A:B chooses others",
-                DRAWN,
+                drawn.len(),
                 modes.len()
             );
         }
-        let shapes = modes.iter().take(DRAWN).map(|&(number, mode)| {
+        let shapes = drawn.into_iter().map(|(number, mode)| {
             let [real, imaginary] = parts_of(&self.motions(mode)?.concat());
             Ok(MeshShape { title: name_of((number, mode)), real, imaginary })
         });
@@ -194,6 +194,14 @@ fn oscillating<'a>(modes: &[Numbered<'a>]) -> Result<Vec<Numbered<'a>>, Error> {
     Ok(found)
 }
 
+/// The modes of a picture: those that grow, then the others, by number.
+fn drawn<'a>(modes: &[Numbered<'a>]) -> Vec<Numbered<'a>> {
+    let mut modes = modes.to_vec();
+    modes.sort_by_key(|(number, mode)| (-mode.damping_ratio() <= GROWS, *number));
+    modes.truncate(DRAWN);
+    modes
+}
+
 /// Real and imaginary parts.
 fn parts_of(motion: &[[Complex<f64>; 3]]) -> [Vec<[f64; 3]>; 2] {
     let part = |of: fn(Complex<f64>) -> f64| motion.iter().map(|node| node.map(of)).collect();
@@ -260,4 +268,27 @@ fn rows_of(superelement: &Superelement, shapes: &Shapes) -> Result<Vec<usize>, E
             coordinates.len()
         ))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_has_the_modes_that_grow_and_then_the_first_of_the_others() {
+        let mode = |growth: f64| Mode {
+            eigenvalue: Complex::new(growth, 1000.0),
+            stiffness_eigenvalue: Complex::new(1e6, 0.0),
+            shape: Vec::new(),
+            waves: None,
+            residual: 0.0,
+        };
+        let mut modes: Vec<Mode> = (0..20).map(|_| mode(-1.0)).collect();
+        modes[3] = mode(1e-10); // growth of rounding
+        modes[14] = mode(2.0);
+        modes[17] = mode(5.0);
+        let all: Vec<Numbered<'_>> = (1..).zip(&modes).collect();
+        let numbers: Vec<usize> = drawn(&all).into_iter().map(|(number, _)| number).collect();
+        assert_eq!(numbers, [15, 18, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+    }
 }
