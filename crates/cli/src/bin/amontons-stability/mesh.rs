@@ -74,9 +74,10 @@ impl Meshes {
     /// # Errors
     /// Returns an error if no mode oscillates, or if a file cannot be written.
     pub fn write_vtk(&self, folder: &Path, modes: &[Numbered<'_>]) -> Result<(), Error> {
+        let modes = oscillating(modes)?;
         fs::create_dir_all(folder).map_err(|error| Error::file(folder, &error))?;
         let mut files = Vec::new();
-        for (number, mode) in oscillating(modes)? {
+        for (number, mode) in modes {
             for (place, (part, motion)) in self.0.iter().zip(self.motions(mode)?).enumerate() {
                 let name = format!("mode_{number:03}_{}.vtu", part.name);
                 let [real, imaginary] = parts_of(&motion).map(|part| part.concat());
