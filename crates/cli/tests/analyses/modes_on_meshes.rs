@@ -60,10 +60,10 @@ fn bar(length: f64, mass: f64) -> [DMatrix<f64>; 2] {
         }
     };
     for node in 0..NODES {
-        for axis in 0..3 {
+        for (axis, stiffness) in SPRINGS.into_iter().enumerate() {
             let row = 3 * node + axis;
             let both = [(row, 1.0), (row.wrapping_sub(3), -1.0)];
-            stretch(SPRINGS[axis], if node == 0 { &both[..1] } else { &both });
+            stretch(stiffness, if node == 0 { &both[..1] } else { &both });
             m[(row, row)] = (0.1 + 0.02 * node as f64) / mass;
         }
     }

@@ -14,8 +14,9 @@ pub(super) struct Scales {
     rows: Vec<f64>,
 }
 
-/// (unit of length) / s of a coordinate. The displacements of the nodes in m are the shapes of the files times the coordinates in SI
-/// units, each coordinate multiplied by this.
+/// The unit of length of the files over the unit of a coordinate of theirs, both as SI values: 1 for a displacement, the unit of length
+/// for a rotation, 1/√(unit of mass) for a modal coordinate. The displacements of the nodes in m are the shapes of the files times the
+/// coordinates in SI units, each coordinate multiplied by this.
 #[must_use]
 pub fn length_per_unit(units: UnitFactors, freedom: Freedom) -> f64 {
     match freedom.direction {
