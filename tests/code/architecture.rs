@@ -48,7 +48,7 @@ const PACKAGES: [(&str, &[&str]); 5] = [
     ),
     (
         "crates/structures/src",
-        &["random", "dissection", "sparse", "nodes", "symmetric", "quadratic", "family"],
+        &["random", "dissection", "sparse", "nodes", "shapes", "symmetric", "quadratic", "family"],
     ),
     ("crates/pictures/src", &["picture", "report"]),
     ("crates/export/src", &["superelement", "scene", "feedthrough", "package", "documentation"]),

@@ -8,6 +8,7 @@
 //! | `dissection` | orders of elimination |
 //! | `sparse` | sparse matrices by columns |
 //! | [`nodes`] | the motion of the nodes of a mesh |
+//! | [`shapes`] | from the coordinates of a superelement to the motion of all rows |
 //! | [`symmetric`] | undamped structures: modes with bounds, superelements with a certificate |
 //! | [`quadratic`] | complex eigenvalues in a rectangle, and a count that shows that none is missing |
 //! | [`family`] | matrices that depend on a parameter, and their modes followed over it |
@@ -19,6 +20,7 @@ pub mod family;
 pub mod nodes;
 pub mod quadratic;
 mod random;
+pub mod shapes;
 mod sparse;
 pub mod symmetric;
 

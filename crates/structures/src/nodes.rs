@@ -3,6 +3,18 @@
 use amontons::Error;
 use amontons_matrices::Freedom;
 use amontons_matrices::mesh::Mesh;
+use std::path::Path;
+
+/// Reads the mesh of the structure whose rows are these.
+///
+/// # Errors
+/// Returns an error if the file cannot be read or is wrong, or if a row is a displacement of a node that the mesh does not have.
+pub fn open_mesh(path: &Path, freedoms: &[Freedom]) -> Result<Mesh, Error> {
+    let mesh = Mesh::open(path).map_err(|error| Error::unusable_file(error.to_string()))?;
+    displacements(&mesh, freedoms, &vec![0.0; freedoms.len()])
+        .map_err(|error| error.in_words(format!("{}: {error}", path.display())))?;
+    Ok(mesh)
+}
 
 /// The displacement of each node of a mesh along x, y and z, for the values of the degrees of freedom that the rows of a
 /// structure stand for, in the same unit. Nodes without rows are held and rest; rotations and scalar points have no place in a

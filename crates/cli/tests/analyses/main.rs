@@ -4,6 +4,7 @@ mod accuracy_command;
 mod answers;
 #[path = "../../../../tests/support/driven_block.rs"]
 mod driven_block;
+mod modes_on_meshes;
 #[path = "../../../../tests/support/parallel.rs"]
 mod parallel;
 #[path = "../../../../tests/support/program.rs"]

@@ -8,7 +8,7 @@ pub use rewrite::{set_initial, set_integrator, set_preset};
 
 use crate::superelement::Files;
 use amontons::Error;
-use amontons::scene::{Scene, SceneFile, SceneTables, Source, builtin, builtin_names};
+use amontons::scene::{MatrixFiles, Scene, SceneFile, SceneTables, Source, builtin, builtin_names};
 use std::path::Path;
 
 /// Reads and checks a scene file; its name becomes the file's stem. In the source, packed superelements have taken the place of
@@ -17,8 +17,12 @@ use std::path::Path;
 /// # Errors
 /// Returns all errors of the file, each with its line and column, its key, and a remedy.
 pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
+    read_with(path, &Files)
+}
+
+fn read_with(path: &Path, matrices: &dyn MatrixFiles) -> Result<(Scene, Source), Error> {
     let file = SceneFile::open(path)?;
-    let mut file = SceneFile { folder: file.folder.with_matrices(&Files), ..file };
+    let mut file = SceneFile { folder: file.folder.with_matrices(matrices), ..file };
     let scene = scene_of(&mut file)?;
     let mut source = file.into_source();
     pack(&mut source)?;
@@ -44,6 +48,14 @@ fn scene_of(file: &mut SceneFile<'_>) -> Result<Scene, Error> {
 /// # Errors
 /// Returns an error if there is no such scene, or if [`read`] would refuse it.
 pub fn find(argument: &str) -> Result<(Scene, Source), Error> {
+    find_with(argument, &Files)
+}
+
+/// The scene that a command line names, as [`find`] finds it, with another reader of the matrix files of its superelements.
+///
+/// # Errors
+/// Returns an error if there is no such scene, or if the reader or [`read`] would refuse it.
+pub fn find_with(argument: &str, matrices: &dyn MatrixFiles) -> Result<(Scene, Source), Error> {
     let path = Path::new(argument);
     match builtin(argument) {
         Some(builtin) => Ok((builtin.scene(), builtin.text.into())),
@@ -51,7 +63,7 @@ pub fn find(argument: &str) -> Result<(Scene, Source), Error> {
             "{argument} is a folder; give a scene file, or a built-in scene; {}",
             builtin_names()
         ))),
-        None if path.exists() => read(path),
+        None if path.exists() => read_with(path, matrices),
         None => Err(Error::unusable_file(format!(
             "no file {argument} and no built-in scene of that name; {}",
             builtin_names()

@@ -14,8 +14,10 @@ mod units;
 
 use amontons::scene::{MatrixFiles, Problem, SuperelementFiles, SuperelementMatrices};
 use files::Parts;
+use std::cell::RefCell;
 use std::path::Path;
 use units::Scales;
+pub use units::length_per_unit;
 
 /// Entries of a symmetric matrix may differ from those across the diagonal by this part of the largest entry: files hold
 /// rounded numbers.
@@ -67,6 +69,30 @@ impl MatrixFiles for Files {
             stiffness.iter_mut().zip(part).for_each(|(k, part)| *k += part);
         }
         SuperelementMatrices::new(freedoms, mass, stiffness, all_damping.unwrap_or_default())
+    }
+}
+
+/// The same reader, which keeps the tables of the superelements that it has read.
+#[derive(Debug, Default)]
+pub struct RecordedFiles(RefCell<Vec<SuperelementFiles>>);
+
+impl RecordedFiles {
+    /// The superelements whose matrices are in files of other programs, in the order of the scene.
+    #[must_use]
+    pub fn into_tables(self) -> Vec<SuperelementFiles> {
+        self.0.into_inner()
+    }
+}
+
+impl MatrixFiles for RecordedFiles {
+    fn read(
+        &self,
+        folder: &Path,
+        files: &SuperelementFiles,
+    ) -> Result<SuperelementMatrices, Vec<Problem>> {
+        let matrices = Files.read(folder, files)?;
+        self.0.borrow_mut().push(files.clone());
+        Ok(matrices)
     }
 }
 

@@ -14,14 +14,22 @@ pub(super) struct Scales {
     rows: Vec<f64>,
 }
 
+/// The unit of length of the files over the unit of a coordinate of theirs, both as SI values: 1 for a displacement, the unit of length
+/// for a rotation, 1/√(unit of mass) for a modal coordinate. The displacements of the nodes in m are the shapes of the files times the
+/// coordinates in SI units, each coordinate multiplied by this.
+#[must_use]
+pub fn length_per_unit(units: UnitFactors, freedom: Freedom) -> f64 {
+    match freedom.direction {
+        0 => 1.0 / units.mass.sqrt(),
+        1..=3 => 1.0,
+        _ => units.length,
+    }
+}
+
 impl Scales {
     pub(super) fn new(units: UnitFactors, freedoms: &[Freedom]) -> Self {
-        let row = |freedom: &Freedom| match freedom.direction {
-            0 => 1.0 / units.mass.sqrt(),
-            1..=3 => 1.0,
-            _ => units.length,
-        };
-        Self { units, rows: freedoms.iter().map(row).collect() }
+        let rows = freedoms.iter().map(|freedom| length_per_unit(units, *freedom));
+        Self { units, rows: rows.collect() }
     }
 
     pub(super) fn mass(&self, matrix: &mut [f64]) {

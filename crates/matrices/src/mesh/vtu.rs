@@ -56,14 +56,16 @@ pub fn write_vtu(mesh: &Mesh, fields: &[Field<'_>]) -> String {
 }
 
 /// A list of files as one that ParaView opens (`.pvd`): each has a number, such as its frequency, that takes the place of time.
-/// Names must be those of plain files in the same folder.
+/// Files of one time are the parts of one picture and have different numbers of parts, from 0. Names must be those of plain files
+/// in the same folder.
 #[must_use]
-pub fn write_pvd<'a>(files: impl IntoIterator<Item = (f64, &'a str)>) -> String {
+pub fn write_pvd<'a>(files: impl IntoIterator<Item = (f64, usize, &'a str)>) -> String {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n",
     );
-    for (time, file) in files {
-        let _ = writeln!(text, "<DataSet timestep=\"{}\" file=\"{file}\"/>", Double(&time));
+    for (time, part, file) in files {
+        let time = Double(&time);
+        let _ = writeln!(text, "<DataSet timestep=\"{time}\" part=\"{part}\" file=\"{file}\"/>");
     }
     text + "</Collection>\n</VTKFile>\n"
 }

@@ -17,7 +17,7 @@ const NAME: f64 = 26.0;
 const SCALE: f64 = 56.0;
 /// The largest motion is drawn as long as this part of the extent of the mesh.
 const DEFORMED: f64 = 0.07;
-/// Each face is drawn as at least this many by this many flat patches, and as more where there are few faces.
+/// Each face is drawn as at least this many by this many flat patches, and as more where there are few faces or few modes.
 const FEWEST: usize = 4;
 const MOST: usize = 12;
 /// The number of patches of a mesh of few faces.
@@ -179,7 +179,9 @@ impl<'a> Layout<'a> {
                 centre[1] - self.zoom * (up - self.middle[1]),
             ]
         };
-        let fine = (PATCHES / self.shapes.faces.len()).isqrt().clamp(FEWEST, MOST);
+        let fine = (PATCHES / self.shapes.faces.len()).isqrt().max(FEWEST);
+        // Fewer modes are drawn larger, with patches of one size on the paper.
+        let fine = (fine * ACROSS / self.columns).min(MOST);
         let mut patches = Vec::new();
         for face in &self.shapes.faces {
             let corners: Vec<[f64; 3]> = face.iter().map(|&node| place(node)).collect();

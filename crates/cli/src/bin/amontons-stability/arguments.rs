@@ -136,7 +136,16 @@ pub struct Modes {
     pub common: SceneArguments,
     #[command(flatten)]
     pub point: Point,
-    /// Draw the mode shapes; an SVG is animated
+    /// Print, draw and write only modes with frequencies from A to B, Hz
+    #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
+    pub frequencies: Option<[f64; 2]>,
+    /// Mesh of a superelement, an input file of Abaqus or CalculiX, for --vtk and --plot; may be given for several superelements
+    #[arg(long, value_name = "NAME=FILE.inp", value_parser = mesh)]
+    pub mesh: Vec<(String, PathBuf)>,
+    /// Write the modes that oscillate on the meshes, as a folder of files for ParaView
+    #[arg(long, value_name = "DIR", requires = "mesh")]
+    pub vtk: Option<PathBuf>,
+    /// Draw the mode shapes: all of a ring, where an SVG is animated, or on the meshes up to 12 that oscillate, growing ones first
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
 }
@@ -214,6 +223,19 @@ pub struct Matrices {
     /// Draw growth rates and frequencies over the parameter, or growth rates over frequencies
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
+}
+
+/// Parses `NAME=FILE.inp`.
+fn mesh(text: &str) -> Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((name, file)) if !name.is_empty() && !file.is_empty() => {
+            Ok((name.to_owned(), file.into()))
+        }
+        _ => {
+            Err("write it as NAME=FILE.inp with the name of a superelement, such as pad=pad.inp"
+                .into())
+        }
+    }
 }
 
 fn time(text: &str) -> Result<f64, String> {

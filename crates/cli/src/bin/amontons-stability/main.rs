@@ -7,12 +7,13 @@ mod labels;
 mod locus;
 mod map;
 mod matrices;
+mod mesh;
 mod modes;
 mod states;
 
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::scene::{Scene, Source};
+use amontons::scene::{Scene, Source, SuperelementFiles};
 use amontons::simulation::at_instant;
 use amontons_analysis::assign::assign;
 use amontons_analysis::doubts::doubts_of;
@@ -23,6 +24,7 @@ use amontons_analysis::sweep::range::check_once;
 use amontons_cli::exit;
 use amontons_cli::shards::{Missing, Program, merging, tell_command};
 use amontons_export::scene;
+use amontons_export::superelement::RecordedFiles;
 use arguments::{Merge, SceneArguments, StabilityArguments, StabilityCommand};
 use clap::Parser;
 use std::io::{self, BufWriter, Write};
@@ -120,6 +122,8 @@ struct AnalysedScene {
     scene: Scene,
     /// The files of the scene.
     source: Source,
+    /// The superelements whose matrices are in files of other programs.
+    superelements: Vec<SuperelementFiles>,
     /// The instant, s; `None` for a scene without signals.
     at: Option<f64>,
     /// A note on the parts of the signals that the analysis leaves out.
@@ -140,7 +144,8 @@ fn configured(
     friction: Option<f64>,
     varied: &[&str],
 ) -> Result<AnalysedScene, Error> {
-    let (mut scene, source) = scene::find(&common.scene)?;
+    let files = RecordedFiles::default();
+    let (mut scene, source) = scene::find_with(&common.scene, &files)?;
     check_once(&common.set)?;
     for (name, value) in &common.set {
         assign(&mut scene, name, *value)?;
@@ -167,7 +172,7 @@ fn configured(
     let at = left_out.is_some().then_some(time);
     let scene = at_instant(&scene, time)?;
     scene.check()?;
-    Ok(AnalysedScene { scene, source, at, left_out })
+    Ok(AnalysedScene { scene, source, superelements: files.into_tables(), at, left_out })
 }
 
 /// Friction coefficients for the heading of a table.

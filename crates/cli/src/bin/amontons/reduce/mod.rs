@@ -14,6 +14,8 @@ use amontons_matrices::{
     Matrix, align, name_rows, open, read_freedoms, write_freedoms, write_matrix_market, write_npy,
 };
 use amontons_pictures::picture::check_name;
+use amontons_structures::nodes::open_mesh;
+use amontons_structures::shapes::{ROWS, SHAPES};
 use amontons_structures::symmetric::{Request, Structure, Superelement, certify, reduce};
 use std::fmt;
 use std::fs;
@@ -69,7 +71,8 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
         ))
         .into());
     }
-    let mesh = arguments.mesh.as_deref().map(|path| modes::open(path, &structure)).transpose()?;
+    let mesh = arguments.mesh.as_deref().map(|path| open_mesh(path, structure.freedoms()));
+    let mesh = mesh.transpose()?;
     if let Some(path) = &arguments.picture {
         check_name(path)?;
     }
@@ -160,8 +163,8 @@ fn write_results(
     if arguments.shapes {
         let basis = &superelement.basis;
         let values = (0..basis.ncols()).flat_map(|column| basis.col(column).iter().copied());
-        put("shapes.npy", &write_npy(basis.nrows(), basis.ncols(), values))?;
-        put("shapes.csv", write_freedoms(structure.freedoms()).as_bytes())?;
+        put(SHAPES, &write_npy(basis.nrows(), basis.ncols(), values))?;
+        put(ROWS, write_freedoms(structure.freedoms()).as_bytes())?;
     }
     put(CERTIFICATE, report.json().as_bytes())
 }

@@ -8,24 +8,11 @@ use amontons_pictures::picture::{MeshShape, MeshShapes};
 use amontons_structures::nodes::displacements;
 use amontons_structures::symmetric::{Structure, Superelement};
 use std::fs;
-use std::path::Path;
 
 /// The most modes of a picture.
 const DRAWN: usize = 12;
 /// Modes below this part of the limit are motions of a rigid body or a mechanism, which a picture does not need.
 const RIGID: f64 = 1e-3;
-
-/// Reads the mesh of the structure.
-///
-/// # Errors
-/// Returns an error if the file cannot be read or is wrong, or if the mesh lacks a node of the structure.
-pub fn open(path: &Path, structure: &Structure) -> Result<Mesh, Box<dyn std::error::Error>> {
-    let mesh = Mesh::open(path)?;
-    let rest = vec![0.0; structure.freedoms().len()];
-    displacements(&mesh, structure.freedoms(), &rest)
-        .map_err(|error| Error::argument(format!("{}: {error}", path.display())))?;
-    Ok(mesh)
-}
 
 /// Writes what `--vtk` and `--picture` ask for.
 ///
@@ -52,7 +39,7 @@ pub fn write(
             output::write(&folder.join(&name), write_vtu(mesh, &[displacement]).as_bytes())?;
             files.push((*frequency, name));
         }
-        let listed = files.iter().map(|(frequency, name)| (*frequency, name.as_str()));
+        let listed = files.iter().map(|(frequency, name)| (*frequency, 0, name.as_str()));
         output::write(&folder.join("modes.pvd"), write_pvd(listed).as_bytes())?;
     }
     let Some(path) = &arguments.picture else { return Ok(()) };
