@@ -133,7 +133,7 @@ impl Scene {
         })
     }
 
-    /// Reports damping across the sliding where a contact has no motion in that direction, so that it would do nothing.
+    /// Reports damping across the sliding where no contact has a motion in that direction, so that it would do nothing.
     fn check_transverse_damping(&self, checks: &mut Checks<'_>) {
         if !self.transverse_damping {
             return;
@@ -141,14 +141,12 @@ impl Scene {
         let lacking = match self.network() {
             None => Some("a ring moves in a plane".to_owned()),
             Some(network) => {
-                let lacks = |contact: &&ContactDefinition| {
+                let lacks = |contact: &ContactDefinition| {
                     let ends = [Some(contact.mass), contact.on].into_iter().flatten();
                     !ends.into_iter().any(|point| network.moves_across(point, contact, self.slider))
                 };
-                let contact = network.contacts.iter().find(lacks);
-                contact.map(|contact| {
-                    format!("contact {} has no motion across its sliding", contact.name)
-                })
+                let has_none = network.contacts.iter().all(lacks);
+                has_none.then(|| "no contact has a motion across its sliding".to_owned())
             }
         };
         let Some(lacking) = lacking else { return };

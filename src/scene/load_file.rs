@@ -15,7 +15,8 @@ use std::collections::HashSet;
     "oneOf" = [
         { "required": ["nodes", "force"] },
         { "required": ["nodes", "pressure", "area", "normal"] },
-        { "required": ["pressure", "areas"] },
+        { "required": ["pressure", "areas"], "not": { "required": ["normal"] } },
+        { "required": ["pressure", "areas", "normal"] },
     ],
 )))]
 #[serde(deny_unknown_fields)]
@@ -54,7 +55,7 @@ impl LoadTable {
             _ => false,
         };
         let message = "needs `nodes` with `force`, or `nodes` with `pressure`, `area` and `normal`, or `pressure` with \
-                       `areas`";
+                       `areas` and, unless the file has normals, `normal`";
         (!is_one).then(|| Problem::new(format!("load[{}]", place + 1), message))
     }
 

@@ -303,6 +303,15 @@ load = [{ superelement = \"a\", pressure = 1e5, areas = \"areas.csv\" }]
     // 40 N on two springs side by side, after the first has closed the gap.
     assert!((normal_force("") - 30.0).abs() < 1e-9, "{}", normal_force(""));
     assert!((normal_force("1e-4") - 22.5).abs() < 1e-9, "{}", normal_force("1e-4"));
+    // One normal for all nodes in place of those in the file.
+    let flat = [
+        ("pairs.csv", "node,on,nx,ny,nz,tx,ty,tz\n1,1,0,0,1,1,0,0\n"),
+        ("areas.csv", "node,area\n1,4e-4\n"),
+    ];
+    let with_normal = text.replace("areas.csv\"", "areas.csv\", normal = [0, 0, 2]");
+    let scene = scene_beside("flat", &matrices, &flat, &with_normal).unwrap();
+    let found = assembly::equilibrium(&scene, &LumpedModel::from(&scene)).unwrap();
+    assert!((found.normal_force[0] - 30.0).abs() < 1e-9, "{found:?}");
     // The posts have no motion along y, across the sliding.
     let tables = [
         ("pairs.csv", "node,on,nx,ny,nz,tx,ty,tz\n1,1,0,0,1,1,0,0\n"),
@@ -310,7 +319,7 @@ load = [{ superelement = \"a\", pressure = 1e5, areas = \"areas.csv\" }]
     ];
     let text = text.replace("0.2 }", "0.2, transverse_damping = true }");
     let message = scene_beside("across", &matrices, &tables, &text).unwrap_err();
-    assert!(message.contains("contact face_1 has no motion across its sliding"), "{message}");
+    assert!(message.contains("no contact has a motion across its sliding"), "{message}");
 }
 
 #[test]

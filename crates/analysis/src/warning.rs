@@ -163,10 +163,16 @@ fn equilibrium_warnings(simulation: &Simulation) -> Vec<String> {
                     format!("{} {is}", scene.contact_name(i))
                 })
                 .collect();
-            warnings.push(format!(
-                "friction allows a second equilibrium, with {}; a run begins in the first, and lower friction leaves one",
-                differ.join(", ")
-            ));
+            warnings.push(if differ.is_empty() {
+                "the forces of the contacts in the equilibrium are not the only ones: contacts that hold the same motion can share \
+                 a load in several ways; leave out contacts that others make needless"
+                    .to_owned()
+            } else {
+                format!(
+                    "friction allows a second equilibrium, with {}; a run begins in the first, and lower friction leaves one",
+                    differ.join(", ")
+                )
+            });
         }
     }
     warnings
