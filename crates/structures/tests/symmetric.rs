@@ -250,6 +250,19 @@ fn work_that_is_ended_gives_no_result() {
     assert!(reduce(&structure, &request, watch).is_err());
 }
 
+#[test]
+fn stiffness_and_mass_in_each_others_place_are_told() {
+    let read = |name: &str| {
+        let path = format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"));
+        let Ok(location) = path.parse::<Location>();
+        open(&location).unwrap()
+    };
+    let [stiffness, mass] = ["block.sti", "block.mas"].map(read);
+    assert!(Structure::new(&stiffness, &mass).is_ok());
+    let message = Structure::new(&mass, &stiffness).unwrap_err().to_string();
+    assert!(message.contains("in each other's place"), "{message}");
+}
+
 /// CalculiX prints seven digits. With 7, 8 and 9 modes wanted, its first elastic frequency of this block is 4326.818, 4326.817
 /// and 4326.819 Hz: its own results are worth 5e-7, and its digits as much again.
 #[test]

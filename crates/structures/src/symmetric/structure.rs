@@ -42,6 +42,7 @@ impl Structure {
             mass: symmetric(mass, "mass", &freedoms)?,
             freedoms,
         };
+        structure.check_order()?;
         structure.check_masses()?;
         structure.check_springs()?;
         Ok(structure)
@@ -70,6 +71,31 @@ impl Structure {
         Ok((0..self.freedoms.len())
             .filter(|&row| sorted.contains(&self.freedoms[row].node))
             .collect())
+    }
+
+    /// Reports matrices that are given in each other's place. A translation of all nodes has the kinetic energy of the whole mass,
+    /// and strains a structure at its supports alone.
+    fn check_order(&self) -> Result<(), Error> {
+        /// The part of the entries that is left of a translation, of the matrix with less of it, beside the other.
+        const FEW: f64 = 0.1;
+        let moved = |matrix: &Sparse, axis: u8| {
+            let is_along = |row: usize| self.freedoms[row].direction == axis;
+            let columns = (0..matrix.rows()).filter(|&column| is_along(column));
+            let entries = columns.flat_map(|column| matrix.column(column));
+            let values = entries.filter(|&(row, _)| is_along(row)).map(|(_, value)| value);
+            let [sum, size] = values.fold([0.0_f64; 2], |[sum, size], v| [sum + v, size + v.abs()]);
+            (size > 0.0).then_some(sum.abs() / size)
+        };
+        let axes =
+            (1..=3).filter_map(|axis| moved(&self.stiffness, axis).zip(moved(&self.mass, axis)));
+        let mut axes = axes.peekable();
+        if axes.peek().is_some() && axes.all(|(stiffness, mass)| mass < FEW * stiffness) {
+            return Err(Error::analysis(
+                "the matrices seem to be in each other's place: the mass matrix cancels when all nodes move alike, as a stiffness \
+                 matrix does, and the stiffness matrix does not; give the stiffness as --stiffness and the mass as --mass",
+            ));
+        }
+        Ok(())
     }
 
     /// Each degree of freedom needs a mass: the bounds of eigenvalues are measured with the inverse of M.
