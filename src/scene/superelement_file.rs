@@ -220,7 +220,8 @@ impl SuperelementTable {
                 problems.into_iter().map(placed).collect::<Vec<_>>()
             })?,
         };
-        Ok(Superelement::new(&*self.name, matrices))
+        let damping_ratio = files.damping_ratio.iter().fold(0.0_f64, |most, one| most.max(*one));
+        Ok(Superelement { damping_ratio, ..Superelement::new(&*self.name, matrices) })
     }
 }
 
