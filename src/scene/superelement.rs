@@ -231,8 +231,8 @@ pub struct Superelement {
     pub displacement: Vec<f64>,
     /// Initial velocity of each degree of freedom, m/s (rad/s for rotations).
     pub velocity: Vec<f64>,
-    /// The largest damping ratio that its table gives a mode; 0 without one, and if the matrices are packed.
-    pub damping_ratio: f64,
+    /// The largest damping ratio above 1 that its table gives a mode; `None` without one, and if the matrices are packed.
+    pub overdamped: Option<f64>,
 }
 
 impl Superelement {
@@ -242,7 +242,7 @@ impl Superelement {
         let zeros = vec![0.0; matrices.dofs()];
         let [load, force, displacement] = [zeros.clone(), zeros.clone(), zeros.clone()];
         let (name, velocity) = (name.into(), zeros);
-        Self { name, matrices, load, force, displacement, velocity, damping_ratio: 0.0 }
+        Self { name, matrices, load, force, displacement, velocity, overdamped: None }
     }
 
     /// The FMU's name of a node: `superelement.pad.node[17]`.

@@ -220,8 +220,9 @@ impl SuperelementTable {
                 problems.into_iter().map(placed).collect::<Vec<_>>()
             })?,
         };
-        let damping_ratio = files.damping_ratio.iter().fold(0.0_f64, |most, one| most.max(*one));
-        Ok(Superelement { damping_ratio, ..Superelement::new(&*self.name, matrices) })
+        let overdamped = files.damping_ratio.iter().copied().filter(|ratio| *ratio > 1.0);
+        let overdamped = overdamped.max_by(f64::total_cmp);
+        Ok(Superelement { overdamped, ..Superelement::new(&*self.name, matrices) })
     }
 }
 

@@ -271,10 +271,10 @@ fn parted(scene: &Scene) -> Option<String> {
 
 /// A superelement with a mode that is damped so much that it does not oscillate, as percent taken for a ratio do.
 fn creeping(scene: &Scene) -> Option<String> {
-    let one = scene.network()?.superelements.iter().find(|one| one.damping_ratio > 1.0)?;
-    let (name, ratio) = (&one.name, one.damping_ratio);
+    let mut all = scene.network()?.superelements.iter();
+    let (name, ratio) = all.find_map(|one| Some((&one.name, one.overdamped?)))?;
     Some(format!(
-        "damping_ratio = {} of superelement {name} is above 1, so that modes do not oscillate; if {}\u{a0}% is meant, write {}",
+        "damping_ratio = {} of superelement {name} is above 1, so that modes do not oscillate; if {} % is meant, write {}",
         Short(ratio),
         Short(ratio),
         Short(to_significant(0.01 * ratio, DIGITS))
@@ -455,16 +455,16 @@ mod tests {
 
     #[test]
     fn a_damping_ratio_above_one_is_told_as_percent() {
-        let doubts = |ratio: f64| {
+        let doubts = |overdamped: Option<f64>| {
             let mut scene = builtin("disc_brake").unwrap().scene();
             let Structure::Network(network) = &mut scene.structure else { panic!("a network") };
             let shoe = lump("shoe", 0.4, 1e8);
-            network.superelements = vec![Superelement { damping_ratio: ratio, ..shoe }];
+            network.superelements = vec![Superelement { overdamped, ..shoe }];
             of(scene)
         };
-        assert_eq!(doubts(1.0), [""; 0]);
-        let said = "damping_ratio = 2.3 of superelement shoe is above 1, so that modes do not oscillate; if 2.3\u{a0}% is meant, write 0.023";
-        assert_eq!(doubts(2.3), [said]);
+        assert_eq!(doubts(None), [""; 0]);
+        let said = "damping_ratio = 2.3 of superelement shoe is above 1, so that modes do not oscillate; if 2.3 % is meant, write 0.023";
+        assert_eq!(doubts(Some(2.3)), [said]);
     }
 
     #[test]

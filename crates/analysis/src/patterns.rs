@@ -5,7 +5,7 @@ use amontons::Error;
 use amontons::contact::{ContactState, JoinedStates};
 use amontons::integrator::{MOST_VISITED, Visit, VisitLog};
 use amontons::scene::{Scene, did_you_mean};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -180,20 +180,17 @@ pub fn in_words(states: &[ContactState], scene: &Scene) -> String {
 pub fn told_apart(patterns: &[&[ContactState]], scene: &Scene) -> Vec<String> {
     let short: Vec<String> = patterns.iter().map(|states| in_words(states, scene)).collect();
     let mut first = HashMap::new();
-    let mut is_ambiguous = vec![false; patterns.len()];
-    for (place, text) in short.iter().enumerate() {
-        let earlier = *first.entry(text).or_insert(place);
-        if patterns[earlier] != patterns[place] {
-            (is_ambiguous[earlier], is_ambiguous[place]) = (true, true);
+    let mut alike = HashSet::new();
+    for (states, text) in patterns.iter().zip(&short) {
+        if first.entry(text).or_insert(states) != &states {
+            alike.insert(text);
         }
     }
-    let pairs = patterns.iter().zip(&short).zip(is_ambiguous);
-    pairs
-        .map(|((states, short), is_ambiguous)| match is_ambiguous {
-            true => words(states, scene, states.len()),
-            false => short.clone(),
-        })
-        .collect()
+    let named = |(states, text): (&&[ContactState], &String)| match alike.contains(text) {
+        true => words(states, scene, states.len()),
+        false => text.clone(),
+    };
+    patterns.iter().zip(&short).map(named).collect()
 }
 
 /// States in words, in which up to `most_named` contacts of a state that differs from most are named.
@@ -227,7 +224,7 @@ mod tests {
         let faults = [
             (
                 "share,contact[1],contact[3]\n",
-                "line 1: set2 has no contact `contact[3]`; did you mean contact[1]? Or run `amontons simulate set2 --patterns`",
+                "line 1: set2 has no contact `contact[3]`; run `amontons simulate set2 --patterns` for this scene",
             ),
             (
                 "share,contact[1]\n",
