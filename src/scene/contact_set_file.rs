@@ -151,10 +151,18 @@ struct Set<'a> {
     common: Option<[[f64; 3]; 2]>,
     /// Number of contacts of each node so far.
     known: HashMap<u64, usize>,
-    /// Line and normal of the contacts of each pair of points so far; the normal is `None` without axes of its own.
-    pairs: HashMap<(NodeAt, Option<Point>), Vec<(u64, Option<[f64; 3]>)>>,
+    /// The contacts of each pair of points so far.
+    pairs: HashMap<(NodeAt, Option<Point>), Vec<Joined>>,
     /// Names of the superelements whose nodes do not slide in this set.
     others: Vec<String>,
+}
+
+/// A contact of a pair of points.
+struct Joined {
+    /// Line of the CSV file, from 1.
+    line: u64,
+    /// Unit normal; `None` for a contact at an angle.
+    normal: Option<[f64; 3]>,
 }
 
 impl Set<'_> {
@@ -217,14 +225,14 @@ impl Set<'_> {
         own: Option<[[f64; 3]; 2]>,
     ) -> Option<u64> {
         let normal = own.or(self.common).map(|[normal, _]| unit(normal));
-        let lines = self.pairs.entry(points).or_default();
-        let is_same = |other: &Option<[f64; 3]>| match (normal, *other) {
+        let joined = self.pairs.entry(points).or_default();
+        let is_same = |other: &&Joined| match (normal, other.normal) {
             (Some(one), Some(other)) => dot(one, other) > 1.0 - ASKEW,
             (one, other) => one.is_none() && other.is_none(),
         };
-        let first = lines.iter().find(|(_, other)| is_same(other)).map(|(line, _)| *line);
+        let first = joined.iter().find(is_same).map(|other| other.line);
         if first.is_none() {
-            lines.push((line, normal));
+            joined.push(Joined { line, normal });
         }
         first
     }
