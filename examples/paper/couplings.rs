@@ -5,7 +5,9 @@ use super::eigenvalues::FRICTION;
 use amontons::Error;
 use amontons::scene::Scene;
 use amontons_analysis::stability::Linearised;
-use amontons_analysis::stability::locus::{Coalescence, Crossing, Locus, Root, locus};
+use amontons_analysis::stability::locus::{
+    ALL_FREQUENCIES, Coalescence, Crossing, Locus, Root, locus,
+};
 use amontons_pictures::picture::{Chart, Mark, Panel, Series};
 use amontons_pictures::report::Claim;
 use std::f64::consts::TAU;
@@ -22,7 +24,7 @@ pub fn uniform(scene: &Scene) -> Result<Locus, Error> {
     let at = |mu: f64| Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() });
     let states = at(0.0).uniform_sliding()?;
     let values: Vec<f64> = (0..=700).map(|i| 0.005 * f64::from(i)).collect();
-    locus(&|mu| Ok(at(mu)), &states, &values, &|_, _| {})
+    locus(&|mu| Ok(at(mu)), &states, &values, ALL_FREQUENCIES, &|_, _| {})
 }
 
 /// Friction coefficient and frequency (Hz) at which two modes (from 1) merge.

@@ -3,10 +3,12 @@
 #[cfg(feature = "schema")]
 use super::Rule as SchemaRule;
 use super::names::Names;
+use super::network::{dot, unit};
 use super::network_check::quoted;
 use super::network_file::axes;
 use super::node_table::{NodeRow, NodeTable};
 use super::source::Folder;
+use super::superelement_check::{ASKEW, wrong_axes};
 use super::{ContactDefinition, Network, NodeAt, Point, Problem, Rule};
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -93,8 +95,18 @@ impl ContactSetTable {
             },
         };
         let (Some(superelement), Some(surface)) = (superelement, surface) else { return };
-        let mut set =
-            Set { table: self, place, superelement, surface, common, known: HashMap::new() };
+        let others = network.superelements.iter().enumerate();
+        let others = others.filter(|(i, _)| *i != superelement).map(|(_, one)| one.name.clone());
+        let mut set = Set {
+            table: self,
+            place,
+            superelement,
+            surface,
+            common,
+            known: HashMap::new(),
+            pairs: HashMap::new(),
+            others: others.collect(),
+        };
         if let Some(nodes) = &self.nodes {
             if let Surface::Superelement(_) = set.surface {
                 let message = "is a superelement, of which each contact needs a node of its own";
@@ -139,6 +151,18 @@ struct Set<'a> {
     common: Option<[[f64; 3]; 2]>,
     /// Number of contacts of each node so far.
     known: HashMap<u64, usize>,
+    /// The contacts of each pair of points so far.
+    pairs: HashMap<(NodeAt, Option<Point>), Vec<Joined>>,
+    /// Names of the superelements whose nodes do not slide in this set.
+    others: Vec<String>,
+}
+
+/// A contact of a pair of points.
+struct Joined {
+    /// Line of the CSV file, from 1.
+    line: u64,
+    /// Unit normal; `None` for a contact at an angle.
+    normal: Option<[f64; 3]>,
 }
 
 impl Set<'_> {
@@ -179,6 +203,40 @@ impl Set<'_> {
         }
     }
 
+    /// Says that the set lacks the superelement whose nodes a line gives.
+    fn lacks_on(&self, line: u64, text: &str) -> String {
+        let example = match &self.others[..] {
+            [one] => format!("write `on = {}`", quoted(one)),
+            [] => "write the name of the superelement as `on`".to_owned(),
+            several => format!("write `on` with one of the superelements {}", several.join(", ")),
+        };
+        format!(
+            "line {line}, column `on`: `{text}` is the number of a node, but `on` of the contact set is missing; {example}, or a \
+             point such as `NAME.{text}` into the column"
+        )
+    }
+
+    /// The line before this one that joins the same two points along the same normal, if there is one; else keeps this line. Lines of
+    /// which one has axes of its own and the other has not are compared where the angle of the slider is known.
+    fn known_pair(
+        &mut self,
+        line: u64,
+        points: (NodeAt, Option<Point>),
+        own: Option<[[f64; 3]; 2]>,
+    ) -> Option<u64> {
+        let normal = own.or(self.common).map(|[normal, _]| unit(normal));
+        let joined = self.pairs.entry(points).or_default();
+        let is_same = |other: &&Joined| match (normal, other.normal) {
+            (Some(one), Some(other)) => dot(one, other) > 1.0 - ASKEW,
+            (one, other) => one.is_none() && other.is_none(),
+        };
+        let first = joined.iter().find(is_same).map(|other| other.line);
+        if first.is_none() {
+            joined.push(Joined { line, normal });
+        }
+        first
+    }
+
     /// The contact of a line of the CSV file; `None` if a problem of its nodes has been added to `names`.
     fn of_row(
         &mut self,
@@ -197,6 +255,12 @@ impl Set<'_> {
             }
         }
         let path = format!("contact_set[{}].pairs", self.place + 1);
+        let file = quoted(self.table.pairs.as_deref().unwrap_or_default());
+        if let Some((fault, help)) = own.and_then(wrong_axes) {
+            let problem = Problem::new(path, format!("line {line}: {fault}")).of(file).help(help);
+            names.problems.push(problem);
+            return Ok(None);
+        }
         let before = names.problems.len();
         let at = names.node_number(|| path.clone(), self.superelement, row.node);
         let on = match (&row.on, &self.surface) {
@@ -204,6 +268,9 @@ impl Set<'_> {
                 return Err(format!("line {line}: the column `on` lacks the number of a node"));
             }
             (None, _) => self.point(),
+            (Some(text), Surface::Slider) if text.parse::<u64>().is_ok() => {
+                return Err(self.lacks_on(line, text));
+            }
             (Some(text), Surface::Superelement(one)) if !text.contains('.') => {
                 let node = text.parse().map_err(|_| {
                     format!("line {line}, column `on`: `{text}` is not the number of a node")
@@ -214,11 +281,18 @@ impl Set<'_> {
         };
         if names.problems.len() > before {
             for problem in &mut names.problems[before..] {
-                problem.message = format!("line {line}: {}", problem.message);
+                let value = problem.value.replace(file.clone()).unwrap_or_default();
+                problem.message = format!("line {line}, {value}: {}", problem.message);
             }
             return Ok(None);
         }
         let Some(at) = at else { return Ok(None) };
+        if let Some(first) = self.known_pair(line, (at, on), own) {
+            let message =
+                format!("line {line}: joins the same points along the same normal as line {first}");
+            names.problems.push(Problem::new(path, message).of(file).help("leave one of them out"));
+            return Ok(None);
+        }
         let contact = self.contact(at, on, own, row.value(6).unwrap_or(self.table.gap));
         Ok(Some(ContactDefinition {
             friction: row.value(7).or(contact.friction),

@@ -322,11 +322,17 @@ impl SceneTables {
                 };
                 let mut network = tables.network(names);
                 network.superelements = superelements.to_vec();
+                let before = names.problems.len();
                 for (i, set) in self.contact_set.iter().enumerate() {
                     set.add_to(i, &mut network, names, folder);
                 }
+                let lacks_contacts = names.problems.len() > before;
                 for (i, load) in self.load.iter().enumerate() {
                     load.add_to(i, &mut network, names, folder);
+                }
+                // Contacts that are not there for another reason would be reported again wherever they are named.
+                if lacks_contacts {
+                    return Err(Vec::new());
                 }
                 self.outputs.apply(&mut network, names);
                 Ok(Structure::Network(network))

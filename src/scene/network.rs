@@ -109,7 +109,7 @@ impl Line {
 }
 
 /// A vector divided by its length.
-fn unit(vector: [f64; 3]) -> [f64; 3] {
+pub(super) fn unit(vector: [f64; 3]) -> [f64; 3] {
     let largest = vector.iter().fold(0.0_f64, |most, part| most.max(part.abs()));
     let scaled = vector.map(|part| part / largest);
     let length = dot(scaled, scaled).sqrt();

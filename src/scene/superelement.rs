@@ -231,6 +231,8 @@ pub struct Superelement {
     pub displacement: Vec<f64>,
     /// Initial velocity of each degree of freedom, m/s (rad/s for rotations).
     pub velocity: Vec<f64>,
+    /// The largest damping ratio above 1 that its table gives a mode; `None` without one, and if the matrices are packed.
+    pub overdamped: Option<f64>,
 }
 
 impl Superelement {
@@ -239,7 +241,8 @@ impl Superelement {
     pub fn new(name: impl Into<String>, matrices: SuperelementMatrices) -> Self {
         let zeros = vec![0.0; matrices.dofs()];
         let [load, force, displacement] = [zeros.clone(), zeros.clone(), zeros.clone()];
-        Self { name: name.into(), matrices, load, force, displacement, velocity: zeros }
+        let (name, velocity) = (name.into(), zeros);
+        Self { name, matrices, load, force, displacement, velocity, overdamped: None }
     }
 
     /// The FMU's name of a node: `superelement.pad.node[17]`.

@@ -3,7 +3,7 @@
 use super::check::{Checks, Owner};
 use super::load_file::lacks;
 use super::names::has_node;
-use super::network::dot;
+use super::network::{dot, unit};
 use super::network_check::quoted;
 use super::{ContactDefinition, Network, NodeAt, Point, Problem, Slider};
 use std::collections::HashMap;
@@ -11,7 +11,7 @@ use std::collections::HashMap;
 /// Smallest part of a unit vector that counts.
 const NO_PART: f64 = 1e-9;
 /// Directions are perpendicular, or one, up to this.
-const ASKEW: f64 = 1e-6;
+pub(super) const ASKEW: f64 = 1e-6;
 
 /// Reports impossible values of superelements.
 pub(super) fn check(network: &Network, has_beta: bool, checks: &mut Checks<'_>) {
@@ -109,16 +109,40 @@ pub(super) fn is_direction(
     (part, key): (Owner, &str),
     checks: &mut Checks<'_>,
 ) -> bool {
-    let message = if !vector.iter().all(|value| value.is_finite()) {
-        "must have three finite components"
-    } else if vector == [0.0; 3] {
-        "has no length, so it has no direction"
-    } else {
-        return true;
-    };
+    let Some(message) = no_direction(vector) else { return true };
     let problem = checks.problem(part, key, message).of(format!("{vector:?}"));
     checks.problems.push(problem.help("give a vector such as [0.0, 0.0, 1.0], of any length"));
     false
+}
+
+/// The reason why a vector has no direction; `None` if it has one.
+fn no_direction(vector: [f64; 3]) -> Option<&'static str> {
+    if !vector.iter().all(|value| value.is_finite()) {
+        Some("must have three finite components")
+    } else if vector == [0.0; 3] {
+        Some("has no length, so it has no direction")
+    } else {
+        None
+    }
+}
+
+/// The angle between two directions, in degrees; `None` if they are perpendicular.
+fn askew(n: [f64; 3], t: [f64; 3]) -> Option<f64> {
+    let along = dot(n, t);
+    (along.abs() > ASKEW).then(|| libm::acos(along.clamp(-1.0, 1.0)).to_degrees())
+}
+
+/// The reason why these cannot be normal and tangent of a contact, with the remedy; `None` if they can.
+pub(super) fn wrong_axes([normal, tangent]: [[f64; 3]; 2]) -> Option<(String, &'static str)> {
+    for (name, vector) in [("normal", normal), ("tangent", tangent)] {
+        if let Some(fault) = no_direction(vector) {
+            return Some((format!("the {name} {fault}"), "give three components of any length"));
+        }
+    }
+    let degrees = askew(unit(normal), unit(tangent))?;
+    let message =
+        format!("normal and tangent must be perpendicular, but have an angle of {degrees:.4}°");
+    Some((message, "take the tangent within the surface"))
 }
 
 /// Reports normal and tangent that are no directions or not perpendicular. `true` if they can be used.
@@ -134,11 +158,7 @@ pub(super) fn check_axes(
         return false;
     }
     let [n, t] = contact.directions(slider.angle);
-    let along = dot(n, t);
-    if along.abs() <= ASKEW {
-        return true;
-    }
-    let degrees = libm::acos(along.clamp(-1.0, 1.0)).to_degrees();
+    let Some(degrees) = askew(n, t) else { return true };
     let message = format!(
         "normal and tangent of contact {} must be perpendicular, but have an angle of {degrees:.4}°",
         contact.name

@@ -220,7 +220,9 @@ impl SuperelementTable {
                 problems.into_iter().map(placed).collect::<Vec<_>>()
             })?,
         };
-        Ok(Superelement::new(&*self.name, matrices))
+        let overdamped = files.damping_ratio.iter().copied().filter(|ratio| *ratio > 1.0);
+        let overdamped = overdamped.max_by(f64::total_cmp);
+        Ok(Superelement { overdamped, ..Superelement::new(&*self.name, matrices) })
     }
 }
 

@@ -422,6 +422,61 @@ superelement = [{ name = \"s\", file = \"s.superelement\" }]
     assert!(error.contains("needs exactly one of `folder`, `file`"), "{error}");
 }
 
+/// Each mistake in a file of pairs is told with the file and the line, and alone: contacts that are missing for it are not
+/// reported where `[outputs]` names them.
+#[test]
+fn a_mistake_in_pairs_is_told_once_with_its_file_and_line() {
+    let start = "
+integrator = { method = \"event-driven\", step = 1e-3 }
+slider = { velocity = 0.1, angle = 0.3 }
+friction = { coefficient = 0.3 }
+superelement = [{ name = \"s\", file = \"s.superelement\" }, { name = \"t\", file = \"s.superelement\" }]
+outputs = { contacts = [\"face_7\"] }
+";
+    let head = "node,on,nx,ny,nz,tx,ty,tz";
+    let line = "line 3";
+    let cases = [
+        ("t", "12,12,0,1,0,1,0,0\n7,7,0,0,0,1,0,0", [line, "the normal has no length"]),
+        ("t", "12,12,0,1,0,1,0,0\n7,7,0,1,0,0,0,0", [line, "the tangent has no length"]),
+        ("t", "12,12,0,1,0,1,0,0\n7,7,0,1,0,1,0.1,0", [line, "have an angle of 84.2894°"]),
+        (
+            "t",
+            "12,12,0,1,0,1,0,0\n7,8,0,1,0,1,0,0",
+            [line, "8: there is no such node in the superelement t"],
+        ),
+        (
+            "t",
+            "7,12,0,1,0,1,0,0\n7,12,0,2,0,-1,0,0",
+            [line, "the same points along the same normal as line 2"],
+        ),
+        ("t", "7,12,,,,,,\n7,12,,,,,,", [line, "the same normal as line 2"]),
+        (
+            "",
+            "12,12,0,1,0,1,0,0\n7,7,0,1,0,1,0,0",
+            ["line 2, column `on`: `12`", "`on` of the contact set is missing; write `on = \"t\"`"],
+        ),
+    ];
+    for (on, rows, words) in cases {
+        let on = if on.is_empty() { String::new() } else { format!("on = \"{on}\", ") };
+        let set = format!(
+            "contact_set = [{{ name = \"face\", superelement = \"s\", {on}pairs = \"p.csv\" }}]\n"
+        );
+        let tables = [("p.csv", &*format!("{head}\n{rows}\n"))];
+        let matrices = [("s", two_nodes())];
+        let error =
+            scene_beside("pairs", &matrices, &tables, &format!("{start}{set}")).unwrap_err();
+        assert!(error.contains("contact_set[1].pairs = \"p.csv\": "), "{rows}: {error}");
+        assert!(words.iter().all(|word| error.contains(word)), "{rows}: {error}");
+        assert!(!error.contains("face_7"), "{rows}: {error}");
+    }
+    // Two normals at one point, as in a corner, are two contacts.
+    let set = "contact_set = [{ name = \"face\", superelement = \"s\", on = \"t\", pairs = \"p.csv\" }]\n";
+    let rows = format!("{head}\n7,12,0,1,0,1,0,0\n7,12,1,0,0,0,1,0\n");
+    let tables = [("p.csv", &*rows)];
+    let scene = scene_beside("corner", &[("s", two_nodes())], &tables, &format!("{start}{set}"));
+    assert_eq!(scene.map(|scene| scene.contact_count()), Ok(2));
+}
+
 #[test]
 fn packed_matrices_read_back_to_the_last_bit_and_damage_is_seen() {
     let mut stiffness = two_nodes().stiffness().to_vec();

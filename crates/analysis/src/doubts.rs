@@ -2,9 +2,13 @@
 //! in N/mm, one slider that would have to go two ways.
 
 use amontons::assembly::Numbering;
+use amontons::decimal::to_significant;
+use amontons::error::Short;
 use amontons::model::Equilibrium;
 use amontons::scene::{ContactDefinition, Network, Point, Scene, Superelement, direction};
 use amontons::simulation::Simulation;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f64::consts::{PI, TAU};
 
 /// A spring whose ends the equilibrium moves apart or together by more, m, is doubtful: those of machines yield by
@@ -25,6 +29,8 @@ const FEATHER: f64 = 5e-3;
 const RIGID: f64 = 1e8;
 /// Acceleration of gravity, m/s².
 const GRAVITY: f64 = 9.81;
+/// Digits of a number that is proposed in place of a doubtful one.
+const DIGITS: usize = 12;
 /// Tangents whose product is this near to −1 are opposite.
 const OPPOSITE: f64 = 1e-6;
 
@@ -37,6 +43,8 @@ pub(crate) fn doubts(simulation: &Simulation) -> Vec<String> {
     doubts.extend(far(scene, reference));
     doubts.extend(light(scene));
     doubts.extend(parted(scene));
+    doubts.extend(creeping(scene));
+    doubts.extend(doubled(scene));
     doubts
 }
 
@@ -48,7 +56,8 @@ pub fn doubts_of(scene: &Scene) -> Vec<String> {
         Ok(simulation) => doubts(&simulation),
         Err(_) => {
             let angles = angles(scene).filter_map(doubtful_angle);
-            angles.chain(light(scene)).chain(parted(scene)).collect()
+            let others = light(scene).into_iter().chain(parted(scene));
+            angles.chain(others).chain(creeping(scene)).chain(doubled(scene)).collect()
         }
     }
 }
@@ -260,6 +269,45 @@ fn parted(scene: &Scene) -> Option<String> {
     })
 }
 
+/// A superelement with a mode that is damped so much that it does not oscillate, as percent taken for a ratio do.
+fn creeping(scene: &Scene) -> Option<String> {
+    let mut all = scene.network()?.superelements.iter();
+    let (name, ratio) = all.find_map(|one| Some((&one.name, one.overdamped?)))?;
+    Some(format!(
+        "damping_ratio = {} of superelement {name} is above 1, so that modes do not oscillate; if {} % is meant, write {}",
+        Short(ratio),
+        Short(ratio),
+        Short(to_significant(0.01 * ratio, DIGITS))
+    ))
+}
+
+/// A node that slides in several contacts of one set: a line of its pairs may name the wrong node.
+fn doubled(scene: &Scene) -> Option<String> {
+    let network = scene.network()?;
+    let mut known: HashMap<(usize, Point), &str> = HashMap::new();
+    let mut twice = network.contacts.iter().filter_map(|contact| {
+        let key = (contact.set?, contact.mass);
+        match known.entry(key) {
+            Entry::Vacant(place) => {
+                place.insert(&contact.name);
+                None
+            }
+            Entry::Occupied(first) => Some((*first.get(), contact)),
+        }
+    });
+    let (first, contact) = twice.next()?;
+    let others = twice.count();
+    let more =
+        if others == 0 { String::new() } else { format!(", and {others} more contacts are so") };
+    Some(format!(
+        "{} slides in two contacts of the set {}, contact.{first} and contact.{}{more}; check the column node of its pairs, unless \
+         the node touches two points",
+        network.point_name(contact.mass),
+        network.contact_sets[contact.set?],
+        contact.name
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -403,5 +451,43 @@ mod tests {
             far[0].starts_with("the load moves node 1 of superelement shoe by 0.030 m"),
             "{far:?}"
         );
+    }
+
+    #[test]
+    fn a_damping_ratio_above_one_is_told_as_percent() {
+        let doubts = |overdamped: Option<f64>| {
+            let mut scene = builtin("disc_brake").unwrap().scene();
+            let Structure::Network(network) = &mut scene.structure else { panic!("a network") };
+            let shoe = lump("shoe", 0.4, 1e8);
+            network.superelements = vec![Superelement { overdamped, ..shoe }];
+            of(scene)
+        };
+        assert_eq!(doubts(None), [""; 0]);
+        let said = "damping_ratio = 2.3 of superelement shoe is above 1, so that modes do not oscillate; if 2.3 % is meant, write 0.023";
+        assert_eq!(doubts(Some(2.3)), [said]);
+    }
+
+    #[test]
+    fn a_node_that_slides_in_two_contacts_of_a_set_is_doubtful() {
+        let mut scene = builtin("disc_brake").unwrap().scene();
+        let Structure::Network(network) = &mut scene.structure else { panic!("a network") };
+        network.contact_sets = vec!["pads".into()];
+        let [first, second] = &mut network.contacts[..] else { panic!("two contacts") };
+        first.set = Some(0);
+        second.set = Some(0);
+        let (names, mass) = ([first.name.clone(), second.name.clone()], first.mass);
+        assert_eq!(doubled(&scene), None);
+        let Structure::Network(network) = &mut scene.structure else { panic!("a network") };
+        network.contacts[1].mass = mass;
+        let told = doubled(&scene).unwrap();
+        let [first, second] = names;
+        let words = format!(
+            "slides in two contacts of the set pads, contact.{first} and contact.{second}; check"
+        );
+        assert!(told.contains(&words), "{told}");
+        // In sets of their own a node may touch two surfaces.
+        let Structure::Network(network) = &mut scene.structure else { panic!("a network") };
+        network.contacts[1].set = Some(1);
+        assert_eq!(doubled(&scene), None);
     }
 }

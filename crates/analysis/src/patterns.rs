@@ -5,6 +5,7 @@ use amontons::Error;
 use amontons::contact::{ContactState, JoinedStates};
 use amontons::integrator::{MOST_VISITED, Visit, VisitLog};
 use amontons::scene::{Scene, did_you_mean};
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -92,15 +93,17 @@ fn parse(text: &str, scene: &Scene) -> Result<Vec<Pattern>, String> {
     let is_known = |name: &str| COLUMNS.contains(&name) || contacts.iter().any(|it| it == name);
     if let Some(other) = head.iter().find(|name| !is_known(name)) {
         let help = did_you_mean(other, contacts.iter().map(|name| &**name));
-        let help = help.unwrap_or_else(|| {
-            format!("give a file that `amontons simulate {} --patterns` has written", scene.name)
-        });
-        return Err(format!("line 1: {} has no contact `{other}`; {help}", scene.name));
+        let help = help.map_or_else(String::new, |help| format!("{help} Or "));
+        return Err(format!(
+            "line 1: {} has no contact `{other}`; {help}{}",
+            scene.name,
+            again(scene)
+        ));
     }
     let column = |wanted: &str| {
         head.iter()
             .position(|name| *name == wanted)
-            .ok_or_else(|| format!("line 1: the column {wanted} is missing; add it"))
+            .ok_or_else(|| format!("line 1: the column {wanted} is missing; {}", again(scene)))
     };
     let share = column(COLUMNS[0])?;
     let places: Vec<usize> =
@@ -147,6 +150,14 @@ fn parse(text: &str, scene: &Scene) -> Result<Vec<Pattern>, String> {
     Ok(patterns)
 }
 
+/// The remedy for a file of other contacts.
+fn again(scene: &Scene) -> String {
+    format!(
+        "run `amontons simulate {} --patterns` for this scene if the file is of another one",
+        scene.name
+    )
+}
+
 /// The states of contacts for people: joined as in the paper for a few contacts, else counted, with the names of the
 /// contacts that differ from most if these are few.
 ///
@@ -160,6 +171,30 @@ fn parse(text: &str, scene: &Scene) -> Result<Vec<Pattern>, String> {
 /// ```
 #[must_use]
 pub fn in_words(states: &[ContactState], scene: &Scene) -> String {
+    words(states, scene, MOST_NAMED)
+}
+
+/// Patterns [in words](in_words) that differ as the patterns do: in those that would read alike, all contacts that differ from most are
+/// named.
+#[must_use]
+pub fn told_apart(patterns: &[&[ContactState]], scene: &Scene) -> Vec<String> {
+    let short: Vec<String> = patterns.iter().map(|states| in_words(states, scene)).collect();
+    let mut first = HashMap::new();
+    let mut alike = HashSet::new();
+    for (states, text) in patterns.iter().zip(&short) {
+        if first.entry(text).or_insert(states) != &states {
+            alike.insert(text);
+        }
+    }
+    let named = |(states, text): (&&[ContactState], &String)| match alike.contains(text) {
+        true => words(states, scene, states.len()),
+        false => text.clone(),
+    };
+    patterns.iter().zip(&short).map(named).collect()
+}
+
+/// States in words, in which up to `most_named` contacts of a state that differs from most are named.
+fn words(states: &[ContactState], scene: &Scene, most_named: usize) -> String {
     if states.len() <= LISTED {
         return JoinedStates(states).to_string();
     }
@@ -168,7 +203,7 @@ pub fn in_words(states: &[ContactState], scene: &Scene) -> String {
     counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     let most = counts[0].0;
     let parts = counts.iter().filter(|(_, count)| *count > 0).map(|(state, count)| {
-        let named = *state != most && *count <= MOST_NAMED;
+        let named = *state != most && *count <= most_named;
         let names = (0..states.len()).filter(|contact| named && states[*contact] == *state);
         let names: Vec<String> = names.map(|contact| scene.contact_name(contact)).collect();
         let names = if named { format!(" ({})", names.join(", ")) } else { String::new() };
@@ -187,8 +222,14 @@ mod tests {
     fn a_file_with_other_contacts_or_states_is_refused_with_its_line() {
         let scene = builtin("set2").unwrap().scene();
         let faults = [
-            ("share,contact[1],contact[3]\n", "line 1: set2 has no contact `contact[3]`"),
-            ("share,contact[1]\n", "line 1: the column contact[2] is missing"),
+            (
+                "share,contact[1],contact[3]\n",
+                "line 1: set2 has no contact `contact[3]`; run `amontons simulate set2 --patterns` for this scene",
+            ),
+            (
+                "share,contact[1]\n",
+                "line 1: the column contact[2] is missing; run `amontons simulate set2 --patterns` for this scene",
+            ),
             ("contact[1],contact[2]\n", "line 1: the column share is missing"),
             ("share,contact[1],contact[2]\n1,Sl\n", "line 2: there are 2 values for 3 columns"),
             ("share,contact[1],contact[2]\n1,Sl,sl\n", "line 2: sl is not a contact state"),
@@ -215,5 +256,29 @@ mod tests {
         states[3] = Stick;
         states[7] = Stick;
         assert_eq!(in_words(&states, &scene), "10 Sl, 2 St (contact[4], contact[8])");
+    }
+
+    #[test]
+    fn patterns_that_would_read_alike_name_the_contacts_that_differ_from_most() {
+        let mut scene = builtin("set2").unwrap().scene();
+        let module = scene.modules()[0];
+        scene.modules_mut().resize(16, module);
+        let with = |stuck: std::ops::Range<usize>| {
+            let mut states = vec![Slide; 16];
+            states[stuck].fill(Stick);
+            states
+        };
+        let (first, second, third) = (with(0..7), with(1..8), with(0..8));
+        let found = told_apart(&[&first, &third, &second, &first], &scene);
+        let names = |range: std::ops::RangeInclusive<usize>| {
+            range.map(|i| format!("contact[{i}]")).collect::<Vec<_>>().join(", ")
+        };
+        let expected = [
+            format!("9 Sl, 7 St ({})", names(1..=7)),
+            "8 Sl, 8 St".to_owned(),
+            format!("9 Sl, 7 St ({})", names(2..=8)),
+            format!("9 Sl, 7 St ({})", names(1..=7)),
+        ];
+        assert_eq!(found, expected);
     }
 }

@@ -1,8 +1,9 @@
 //! Warnings about values that are possible, but hardly meant.
 
 use crate::doubts::doubts;
+use amontons::decimal::to_significant;
 use amontons::error::Short;
-use amontons::model::{LumpedModel, Uniqueness};
+use amontons::model::{Equilibrium, LumpedModel, Uniqueness};
 use amontons::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
 use amontons::simulation::Simulation;
 use amontons::simulation::catalogue::{Quantity, variables};
@@ -10,6 +11,11 @@ use amontons::stability::{Origin, critical_step};
 
 /// A critical step this many times the given one is more than accuracy asks for.
 const SUSPICIOUS: f64 = 1e3;
+
+/// The most open contacts that a warning names.
+const NAMED: usize = 3;
+/// Digits of a gap in a warning.
+const DIGITS: usize = 4;
 
 /// Words on a step that does not go with the scene: more than a thousand times below the critical
 /// step, or above it. A stiffness or mass in other units than SI shows so.
@@ -134,17 +140,7 @@ fn step_at_start_warnings(scene: &Scene) -> Vec<String> {
 fn equilibrium_warnings(simulation: &Simulation) -> Vec<String> {
     let (scene, here) = (simulation.scene(), simulation.reference());
     let unloaded = LumpedModel::from(scene);
-    let opened =
-        (0..here.gap.len()).filter(|i| here.gap[*i] > 0.0 && unloaded.contacts[*i].gap == 0.0);
-    let mut warnings: Vec<String> = opened
-        .map(|i| {
-            format!(
-                "the load opens {} in the equilibrium, by {} m; press it on by a preload or a force, unless this is meant",
-                scene.contact_name(i),
-                Short(here.gap[i])
-            )
-        })
-        .collect();
+    let mut warnings: Vec<String> = opened(scene, here, &unloaded).into_iter().collect();
     match unloaded.uniqueness(here) {
         Uniqueness::One => {}
         Uniqueness::Unknown => {
@@ -176,6 +172,38 @@ fn equilibrium_warnings(simulation: &Simulation) -> Vec<String> {
         }
     }
     warnings
+}
+
+/// Contacts that the load opens, in one sentence.
+fn opened(scene: &Scene, here: &Equilibrium, unloaded: &LumpedModel) -> Option<String> {
+    let all = here.gap.len();
+    let is_opened = |i: &usize| here.gap[*i] > 0.0 && unloaded.contacts[*i].gap == 0.0;
+    let opened: Vec<usize> = (0..all).filter(is_opened).collect();
+    let most = opened.iter().fold(0.0_f64, |most, i| most.max(here.gap[*i]));
+    let most = Short(to_significant(most, DIGITS));
+    match opened[..] {
+        [] => None,
+        [one] => Some(format!(
+            "the load opens {} in the equilibrium, by {most} m; press it on by a preload or a force, unless this is meant",
+            scene.contact_name(one)
+        )),
+        _ if opened.len() == all => Some(format!(
+            "all {all} contacts are open in the equilibrium, by up to {most} m: is the normal reversed, or does no load press them on?"
+        )),
+        _ => {
+            let mut names: Vec<String> =
+                opened.iter().take(NAMED).map(|i| scene.contact_name(*i)).collect();
+            if opened.len() > NAMED {
+                names.push("...".to_owned());
+            }
+            Some(format!(
+                "the load opens {} of {all} contacts in the equilibrium, {}, by up to {most} m; press them on by a preload or a force, \
+                 unless this is meant",
+                opened.len(),
+                names.join(", ")
+            ))
+        }
+    }
 }
 
 /// Closed contacts that nothing presses on in the equilibrium, by name: their load may have been forgotten.
@@ -251,6 +279,41 @@ mod tests {
         let Structure::Network(network) = &mut scene.structure else { panic!("it is a network") };
         network.contacts[0].gap = 1e-3;
         assert!(warnings(&Simulation::new(scene, 0.0).unwrap()).is_empty());
+    }
+
+    /// Blocks of their own on a belt, each lifted by a load against a spring: a force of 3 N against 10 kN/m opens 0.3 mm.
+    fn blocks(loads: &[f64]) -> Vec<String> {
+        let mut text = String::from(
+            "[slider]\nvelocity = 1.0\nangle = 0.0\n[friction]\ncoefficient = 0.1\n[integrator]\nmethod = \"event-driven\"\nstep = 1e-4\n",
+        );
+        for (i, load) in loads.iter().enumerate() {
+            text += &format!(
+                "[[mass]]\nname = \"m{i}\"\nmass = 1.0\nforce = [0.0, {load:?}]\n\
+                 [[spring]]\nname = \"x{i}\"\nbetween = [\"m{i}\", \"ground\"]\ndirection = \"x\"\nstiffness = 1e4\n\
+                 [[spring]]\nname = \"y{i}\"\nbetween = [\"m{i}\", \"ground\"]\ndirection = \"y\"\nstiffness = 1e4\n\
+                 [[contact]]\nname = \"c{i}\"\nmass = \"m{i}\"\n"
+            );
+        }
+        warnings(&Simulation::new(parse("blocks", &text).unwrap(), 0.0).unwrap())
+    }
+
+    #[test]
+    fn many_contacts_that_the_load_opens_are_told_in_one_sentence() {
+        let here = blocks(&[1.0, -5.0, 2.0, 3.0, 1.0 / 3.0]);
+        let said = "the load opens 4 of 5 contacts in the equilibrium, contact.c0, contact.c2, contact.c3, ..., by up to 0.0003 m; press";
+        assert!(here.len() == 1 && here[0].starts_with(said), "{here:?}");
+        let here = blocks(&[-5.0, 2.0, 1.0 / 3.0]);
+        let said = "the load opens 2 of 3 contacts in the equilibrium, contact.c1, contact.c2, by up to 0.0002 m";
+        assert!(here.len() == 1 && here[0].starts_with(said), "{here:?}");
+        let here = blocks(&[-5.0, 1.0 / 3.0]);
+        assert!(here.len() == 1 && here[0].contains("by 3.333e-5 m"), "{here:?}");
+    }
+
+    #[test]
+    fn a_scene_in_which_all_contacts_are_open_asks_for_the_normal_and_the_load() {
+        let here = blocks(&[1.0, 2.0, 3.0]);
+        let said = "all 3 contacts are open in the equilibrium, by up to 0.0003 m: is the normal reversed, or does no load";
+        assert!(here.len() == 1 && here[0].starts_with(said), "{here:?}");
     }
 
     /// Beyond µ = 4 a wedge holds itself against a load that lifts it, and may also be open.

@@ -6,12 +6,12 @@ use std::collections::{BTreeSet, HashMap};
 /// Gives matrices whose files name the degrees of freedom of their rows the same rows in the same order: those of all.
 ///
 /// Abaqus and Nastran write only rows that have entries, so a mass matrix can have fewer of them than a stiffness matrix.
-/// Matrices without names stay as they are.
+/// Matrices without names stay as they are. `files` has the name of each matrix's file, for messages.
 ///
 /// # Errors
 /// Returns a sentence if some files name their rows and others do not, since rows in one order may not be in the other's, or
 /// if no matrix has the rows of all others, so that they are of different models.
-pub fn align(matrices: &mut [&mut Matrix]) -> Result<(), String> {
+pub fn align(matrices: &mut [&mut Matrix], files: &[impl AsRef<str>]) -> Result<(), String> {
     let named: Vec<&Vec<Freedom>> =
         matrices.iter().filter_map(|matrix| matrix.freedoms.as_ref()).collect();
     if named.is_empty()
@@ -30,12 +30,15 @@ pub fn align(matrices: &mut [&mut Matrix]) -> Result<(), String> {
     let sets = named.iter().map(|freedoms| freedoms.iter().copied().collect::<BTreeSet<Freedom>>());
     let sets: Vec<BTreeSet<Freedom>> = sets.collect();
     let all: BTreeSet<Freedom> = sets.iter().flatten().copied().collect();
-    if let Some(largest) = sets.iter().max_by_key(|set| set.len())
-        && let Some(Freedom { node, direction }) = all.difference(largest).next()
+    if let Some((place, largest)) = sets.iter().enumerate().max_by_key(|(_, set)| set.len())
+        && let Some(lacking) = all.difference(largest).next()
+        && let Some(other) = sets.iter().position(|set| set.contains(lacking))
     {
+        let [file, other] = [place, other].map(|place| files.get(place).map_or("", AsRef::as_ref));
+        let Freedom { node, direction } = lacking;
         return Err(format!(
-            "the matrices are of different models: none has the nodes and directions of all, for example direction {direction} of \
-             node {node} is not in the largest one"
+            "{file} and {other} are of different models: direction {direction} of node {node} is in {other}, and not in {file}, \
+             which has the most rows; give files that were written for one model, all before or all after a reduction"
         ));
     }
     let all: Vec<Freedom> = all.into_iter().collect();
@@ -58,6 +61,8 @@ mod tests {
     use super::*;
     use crate::{Entry, Symmetry};
 
+    const FILES: [&str; 2] = ["k.mtx", "m.mtx"];
+
     fn matrix(freedoms: &[(u64, u8)], entries: &[(usize, usize, f64)]) -> Matrix {
         let entries = entries.iter().map(|&(row, column, value)| Entry { row, column, value });
         let freedom = |&(node, direction)| Freedom { node, direction };
@@ -76,7 +81,7 @@ mod tests {
         let mut stiffness =
             matrix(&[(2, 1), (1, 3), (1, 1)], &[(0, 0, 2.0), (1, 0, 3.0), (2, 1, 4.0)]);
         let mut mass = matrix(&[(2, 1)], &[(0, 0, 7.0)]);
-        align(&mut [&mut stiffness, &mut mass]).unwrap();
+        align(&mut [&mut stiffness, &mut mass], &FILES).unwrap();
         let all = [(1, 1), (1, 3), (2, 1)];
         assert_eq!(stiffness, matrix(&all, &[(0, 1, 4.0), (1, 2, 3.0), (2, 2, 2.0)]));
         assert_eq!(mass, matrix(&all, &[(2, 2, 7.0)]));
@@ -87,19 +92,21 @@ mod tests {
     fn files_with_and_without_names_are_not_mixed() {
         let mut stiffness = matrix(&[(2, 1), (1, 1)], &[(0, 0, 2.0)]);
         let mut mass = Matrix { freedoms: None, ..stiffness.clone() };
-        let refused = align(&mut [&mut stiffness, &mut mass]).unwrap_err();
+        let refused = align(&mut [&mut stiffness, &mut mass], &FILES).unwrap_err();
         assert!(refused.starts_with("1 of 2 files name the nodes"), "{refused}");
         stiffness.freedoms = None;
         let before = stiffness.clone();
-        align(&mut [&mut stiffness, &mut mass]).unwrap();
+        align(&mut [&mut stiffness, &mut mass], &FILES).unwrap();
         assert_eq!(stiffness, before);
     }
 
     #[test]
     fn matrices_of_different_models_are_refused() {
-        let mut stiffness = matrix(&[(2, 1), (1, 1)], &[]);
+        let mut stiffness = matrix(&[(2, 1), (1, 1), (1, 2)], &[]);
         let mut mass = matrix(&[(2, 1), (3, 1)], &[]);
-        let refused = align(&mut [&mut stiffness, &mut mass]).unwrap_err();
-        assert!(refused.contains("of different models"), "{refused}");
+        let refused = align(&mut [&mut stiffness, &mut mass], &FILES).unwrap_err();
+        let words = "k.mtx and m.mtx are of different models: direction 1 of node 3 is in m.mtx, and not in k.mtx";
+        assert!(refused.starts_with(words), "{refused}");
+        assert!(refused.ends_with("all before or all after a reduction"), "{refused}");
     }
 }

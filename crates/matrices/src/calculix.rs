@@ -70,8 +70,8 @@ pub fn freedoms(content: &[u8]) -> Result<Vec<Freedom>, Fault> {
         })?;
         if !seen.insert(freedom) {
             return Err(fault(format!(
-                "node {} has direction {} a second time; a cyclic sector, whose matrices are complex, cannot be read: store \
-                 the matrices of the whole structure",
+                "node {} has direction {} a second time: shells and beams, which CalculiX expands into solids, and cyclic sectors, \
+                 whose matrices are complex, cannot be read; store the matrices of the whole structure, made of solids",
                 freedom.node, freedom.direction,
             )));
         }

@@ -71,6 +71,17 @@ fn parse(text: &str) -> Result<Vec<Freedom>, Fault> {
         );
         return Err(Fault::line(pair[1].1, message));
     }
+    // Sorted by node and direction, so that a direction 0 stands before the node's others.
+    let counted_from_0 =
+        |pair: &&[(Freedom, usize)]| pair[0].0.node == pair[1].0.node && pair[0].0.direction == 0;
+    if let Some(pair) = sorted.windows(2).find(counted_from_0) {
+        let [Freedom { node, .. }, Freedom { direction, .. }] = [pair[0].0, pair[1].0];
+        let message = format!(
+            "node {node} has direction 0 and direction {direction}; directions count from 1 (1 to 3 displacements, 4 to 6 rotations), \
+             and 0 is for modes and scalar points, which have no other"
+        );
+        return Err(Fault::line(pair[0].1, message));
+    }
     Ok(freedoms)
 }
 
@@ -102,6 +113,11 @@ mod tests {
             ("node,direction\n1,1\n2", 3, "`2` is no degree of freedom"),
             ("node,direction\n1,7\n", 2, "a direction from 0 to 6"),
             ("node,direction\n1,1\n1,2\n1,1\n", 4, "twice, first in line 2"),
+            (
+                "node,direction\n5,0\n1,0\n1,1\n1,2\n",
+                3,
+                "node 1 has direction 0 and direction 1; directions count from 1",
+            ),
         ] {
             let fault = parse(text).unwrap_err();
             assert_eq!(fault.place, crate::Place::Line(line), "{text}");

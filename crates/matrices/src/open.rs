@@ -6,6 +6,7 @@ use crate::{
     matrix_market, npy, npz, output4,
 };
 use std::convert::Infallible;
+use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -30,6 +31,13 @@ impl FromStr for Location {
             }
             _ => Self { path: text.into(), name: None },
         })
+    }
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        self.name.as_ref().map_or(Ok(()), |name| write!(f, "#{name}"))
     }
 }
 

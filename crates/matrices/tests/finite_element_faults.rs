@@ -49,8 +49,8 @@ fn faults_of_degrees_of_freedom_of_calculix() {
         (
             "1.1\n1.1\n",
             Line(2),
-            "node 1 has direction 1 a second time; a cyclic sector, whose matrices are complex, cannot be read: store the \
-             matrices of the whole structure"
+            "node 1 has direction 1 a second time: shells and beams, which CalculiX expands into solids, and cyclic sectors, \
+             whose matrices are complex, cannot be read; store the matrices of the whole structure, made of solids"
                 .into(),
         ),
     ];

@@ -45,6 +45,9 @@ const ANALYSES: [(&str, Analysis); 12] = [
     ("basin", basin),
 ];
 
+/// The end of the page, written by hand: commands and scenes that the table does not have.
+const MORE: &str = include_str!("answers/more.md");
+
 const MOTIONS: &str = env!("CARGO_BIN_EXE_amontons");
 const EIGENVALUES: &str = env!("CARGO_BIN_EXE_amontons-stability");
 
@@ -517,7 +520,7 @@ fn page(answers: &[(&str, Vec<Answer>)]) -> String {
     for (i, reason) in reasons.iter().enumerate() {
         let _ = writeln!(page, "{}. {reason}", i + 1);
     }
-    page
+    page + MORE
 }
 
 /// A message without the numbers of one scene.

@@ -197,6 +197,43 @@ fn wrong_requests_of_a_reduction_are_refused_before_the_work() {
     refused(&[&frequency[..], &also].concat(), 2, &["2 of 3 files name the nodes"]);
 }
 
+/// A free bar of three masses of 1 kg along x, in files that name no nodes.
+fn bar(folder: &Path) -> [&'static str; 4] {
+    let file = |name: &str, text: &str| fs::write(folder.join(name), text).unwrap();
+    file(
+        "k.mtx",
+        "%%MatrixMarket matrix array real general\n3 3\n1e6\n-1e6\n0\n-1e6\n2e6\n-1e6\n0\n-1e6\n1e6\n",
+    );
+    file("m.mtx", "%%MatrixMarket matrix array real general\n3 3\n1\n0\n0\n0\n1\n0\n0\n0\n1\n");
+    file("c.mtx", "%%MatrixMarket matrix array real general\n1 1\n5\n");
+    file("rows.csv", "node,direction\n11,1\n12,1\n13,1\n");
+    ["--stiffness", "k.mtx", "--mass", "m.mtx"]
+}
+
+#[test]
+fn files_without_nodes_are_told_apart_from_those_whose_nodes_a_table_names() {
+    let folder = folder();
+    let files = bar(folder.path());
+    let reduced = |rest: &[&str]| {
+        let all = [&["reduce", "--frequency", "100"][..], &files, rest].concat();
+        run(env!("CARGO_BIN_EXE_amontons"), folder.path(), &all)
+    };
+    let output = reduced(&["--contacts", "1:3", "-o", "numbers"]);
+    let said = text(&output.stderr);
+    let note = "note: the files name no nodes: --contacts and --retain take numbers of rows; give --freedoms for nodes and directions";
+    assert!(said.contains(note), "{said}");
+    let table = ["--freedoms", "rows.csv", "--contacts", "11:13"];
+    let output = reduced(&[&table[..], &["-o", "nodes"]].concat());
+    assert!(!text(&output.stderr).contains("note: the files name no nodes"));
+    // A further matrix of another size is to blame itself, not the table.
+    let output = reduced(&[&table[..], &["--also", "damping=c.mtx", "-o", "also"]].concat());
+    assert_refused(
+        &output,
+        2,
+        &["--also damping has 1 rows and 1 columns, and the stiffness matrix 3 rows"],
+    );
+}
+
 /// The stiffness of the block in Matrix Market has no names of rows, and the mass has those of CalculiX: once the orders of rows
 /// were taken to be one, whatever they were.
 #[test]

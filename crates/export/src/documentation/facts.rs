@@ -1,7 +1,7 @@
 //! Facts of a scene, in words.
 
 use super::Subject;
-use amontons::model::LumpedModel;
+use amontons::model::{Equilibrium, LumpedModel};
 use amontons::scene::{Method, Scene, Structure};
 use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::{CriticalStep, critical_step};
@@ -23,9 +23,9 @@ pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
     let mut facts = vec![("Structure", structure(scene, &model))];
     if scene.contact_count() > 0 {
         facts.push(("Contact", contact(scene)));
-        let forces = &start.reference().normal_force;
         // Friction of uniform sliding is in them.
-        facts.push(("Normal forces in the equilibrium", normal_forces(scene, forces)));
+        let forces = normal_forces(scene, start.reference(), MOST_FORCES);
+        facts.push(("Normal forces in the equilibrium", forces));
     }
     facts.push(("Method", method(subject)));
     if effective.method == Method::ForwardIncrement {
@@ -111,20 +111,25 @@ fn contact(scene: &Scene) -> String {
     text
 }
 
-fn normal_forces(scene: &Scene, forces: &[f64]) -> String {
-    let more = match forces.len() {
-        0..=MOST_FORCES => String::new(),
-        all => format!(", and {} more", all - MOST_FORCES),
-    };
-    first_forces(scene, &forces[..forces.len().min(MOST_FORCES)]) + &more
-}
-
-/// Normal forces, N, of a scene's first contacts, with the contacts' names.
+/// Normal forces, N, of the first `most` closed contacts, with the contacts' names, and the number of open ones.
 #[must_use]
-pub fn first_forces(scene: &Scene, forces: &[f64]) -> String {
-    let told = forces.iter().enumerate();
-    let told = told.map(|(i, force)| format!("{force:.4} N at {}", scene.contact_name(i)));
-    told.collect::<Vec<_>>().join(", ")
+pub fn normal_forces(scene: &Scene, equilibrium: &Equilibrium, most: usize) -> String {
+    let all = equilibrium.normal_force.len();
+    let closed: Vec<usize> = (0..all).filter(|i| equilibrium.is_closed(*i)).collect();
+    let force =
+        |i: &usize| format!("{:.4} N at {}", equilibrium.normal_force[*i], scene.contact_name(*i));
+    let mut told: Vec<String> = closed.iter().take(most).map(force).collect();
+    if closed.len() > most {
+        told.push(format!("and {} more", closed.len() - most));
+    }
+    let open = match (all, all - closed.len()) {
+        (_, 0) => return told.join(", "),
+        (1, _) => "the contact is open".to_owned(),
+        (_, open) if open == all => format!("all {all} contacts are open"),
+        (_, 1) => format!("1 of {all} contacts is open"),
+        (_, open) => format!("{open} of {all} contacts are open"),
+    };
+    if told.is_empty() { open } else { format!("{}; {open}", told.join(", ")) }
 }
 
 fn method(subject: Subject<'_>) -> String {

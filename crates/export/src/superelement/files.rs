@@ -61,6 +61,9 @@ pub(super) fn read(folder: &Path, files: &SuperelementFiles) -> Result<Parts, Ve
     if !problems.is_empty() {
         return Err(problems);
     }
+    if let Some(problem) = not_reduced(&all) {
+        return Err(vec![problem]);
+    }
     let given = freedoms.clone();
     name_all(folder, given.as_ref().or(own_freedoms.as_ref()), given.is_some(), &mut all)
         .map_err(|problem| vec![problem])?;
@@ -141,8 +144,25 @@ fn name_all(
         }
         (_, None) => {}
     }
+    let files: Vec<String> = all.iter().map(|read| read.name.clone()).collect();
     let mut matrices: Vec<&mut Matrix> = all.iter_mut().map(|read| &mut read.matrix).collect();
-    align(&mut matrices).map_err(|message| Problem::new("", message))
+    align(&mut matrices, &files).map_err(|message| Problem::new("", message))
+}
+
+/// Reports a further matrix with more rows than stiffness and mass, the first two, have: that of the structure before its reduction.
+fn not_reduced(all: &[Read]) -> Option<Problem> {
+    let [stiffness, mass, others @ ..] = all else { return None };
+    let most = stiffness.matrix.rows.max(mass.matrix.rows);
+    let other = others.iter().find(|read| read.matrix.rows > most)?;
+    let Read { key, name, matrix } = other;
+    let message = format!(
+        "has {} rows, but {} has {}, and {} has {}: it is of the structure before its reduction",
+        matrix.rows, stiffness.name, stiffness.matrix.rows, mass.name, mass.matrix.rows
+    );
+    let help = format!(
+        "reduce it together with them by `amontons reduce --also {key}={name}`, and give the file {key}.mtx of the results"
+    );
+    Some(Problem::new(*key, message).of(name).help(help))
 }
 
 fn dense(matrix: &Matrix) -> Vec<f64> {

@@ -241,3 +241,38 @@ fn files_that_are_wrong_are_named_with_the_remedy() {
         assert!(found.contains(expected), "{found}");
     }
 }
+
+#[test]
+fn a_damping_matrix_of_the_structure_before_its_reduction_is_told_the_way_to_reduce_it() {
+    let mut full = vec![0.0; 36];
+    (0..6).for_each(|row| full[7 * row] = 1.0);
+    let folder = folder(&[("full.mtx", matrix_market(&full))]);
+    let files = SuperelementFiles { damping: Some("full.mtx".into()), ..named() };
+    let found = refused(&folder, &files);
+    let words = "damping = full.mtx: has 6 rows, but ./stiffness.mtx has 5, and ./mass.mtx has 5: it is of the structure before";
+    assert!(found.starts_with(words), "{found}");
+    assert!(found.contains("`amontons reduce --also damping=full.mtx`"), "{found}");
+}
+
+#[test]
+fn matrices_of_two_models_are_named_with_the_remedy() {
+    let calculix = |nodes: &[u64]| {
+        let dof: String = nodes.iter().map(|node| format!("{node}.1\n")).collect();
+        let entries: String = (1..=nodes.len()).map(|row| format!("{row} {row} 1.0\n")).collect();
+        [dof, entries]
+    };
+    let ([disc_dof, disc], [pad_dof, pad]) = (calculix(&[1, 2, 3]), calculix(&[2, 9]));
+    let files =
+        [("disc.dof", disc_dof), ("disc.sti", disc), ("pad.dof", pad_dof), ("pad.mas", pad)];
+    let folder = folder(&files);
+    let of_two = SuperelementFiles {
+        folder: None,
+        stiffness: Some("disc.sti".into()),
+        mass: Some("pad.mas".into()),
+        ..named()
+    };
+    let found = refused(&folder, &of_two);
+    let words = "disc.sti and pad.mas are of different models: direction 1 of node 9 is in pad.mas, and not in disc.sti";
+    assert!(found.contains(words), "{found}");
+    assert!(found.contains("give files that were written for one model"), "{found}");
+}

@@ -145,3 +145,18 @@ fn an_fmu_carries_the_packed_matrices_and_reads_the_same_scene_from_them() {
     other.binaries[0].1[60] ^= 1;
     assert_ne!(fingerprint(&other), fingerprint(&source));
 }
+
+#[test]
+fn a_damping_ratio_above_one_stays_known_for_a_warning() {
+    let folder = folder("N-m-kg-s");
+    let overdamped = |ratio: &str| {
+        let path = folder.path().join("brake.toml");
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, text.replace("damping_ratio = 0.01", ratio)).unwrap();
+        let network = brake(&folder).0.network().unwrap().clone();
+        fs::write(&path, text).unwrap();
+        network.superelements[0].overdamped
+    };
+    assert_eq!(overdamped("damping_ratio = 1.0"), None);
+    assert_eq!(overdamped("damping_ratio = [0.01, 2.0, 1.5]"), Some(2.0));
+}

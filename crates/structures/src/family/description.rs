@@ -255,17 +255,16 @@ impl Loaded<'_> {
                 name_rows(matrix, &freedoms, path)?;
             }
         }
-        align(&mut matrices.iter_mut().collect::<Vec<_>>()).map_err(Error::argument)?;
+        let file = |part: &Part| part.files[place.min(part.files.len() - 1)].to_string();
+        let files: Vec<String> = parts.iter().map(file).collect();
+        align(&mut matrices.iter_mut().collect::<Vec<_>>(), &files).map_err(Error::argument)?;
         let size = [matrices[0].rows, matrices[0].columns];
         let mut sums = [const { None::<Sparse> }; 3];
-        for (part, matrix) in parts.iter().zip(&matrices) {
+        for ((part, file), matrix) in parts.iter().zip(&files).zip(&matrices) {
             if [matrix.rows, matrix.columns] != size || size[0] != size[1] {
                 return Err(Box::new(Error::argument(format!(
-                    "{} has {} rows and {} columns, and the first part {}; all must be square and of one size",
-                    part.files[place.min(part.files.len() - 1)].path.display(),
-                    matrix.rows,
-                    matrix.columns,
-                    size[0],
+                    "{file} has {} rows and {} columns, and the first part {}; all must be square and of one size",
+                    matrix.rows, matrix.columns, size[0],
                 ))));
             }
             let matrix = Sparse::new(matrix)?;

@@ -57,7 +57,8 @@ pub fn below(
     if mass_factors.negative() != Some(0) {
         return Err(Error::analysis(
             "the mass matrix is not positive definite: some motion has no kinetic energy, or a negative one; check that it is the \
-             mass matrix, that its digits were not cut, and that its elements are integrated at enough points",
+             mass matrix, that its digits were not cut, and that its elements are integrated at enough points (CalculiX writes singular mass \
+             matrices for C3D8R and C3D8I; C3D8, C3D10 and C3D20 have positive ones)",
         ));
     }
     let rounding = DIGITS * largest(stiffness, mass, &mass_factors);

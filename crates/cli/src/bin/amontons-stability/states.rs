@@ -7,7 +7,7 @@ use amontons::contact::{ContactState, JoinedStates};
 use amontons::model::{Equilibrium, LinearModel};
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
-use amontons_analysis::patterns::{self, Pattern, in_words};
+use amontons_analysis::patterns::{self, Pattern, in_words, told_apart};
 use amontons_analysis::stability::candidates::closed_at_rest;
 use amontons_analysis::stability::{
     Linearised, LinearityLimit, MAX_CONTACTS, StateClasses, linearity_limit, modes, spectra_of,
@@ -342,14 +342,16 @@ fn print_paper_table(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
 
 /// Prints the states that symmetry does not make equal to an earlier one.
 fn print_list(rows: &[Row], scene: &Scene, out: &mut dyn Write) -> Result<(), Failure> {
-    for row in rows.iter().filter(|row| row.alike > 0) {
+    let shown: Vec<&Row> = rows.iter().filter(|row| row.alike > 0).collect();
+    let states: Vec<&[ContactState]> = shown.iter().map(|row| &*row.states).collect();
+    for (row, states) in shown.iter().zip(told_apart(&states, scene)) {
         let note = if row.alike > 1 { format!(" ({} alike)", row.alike) } else { String::new() };
         let stays = row.stays.as_ref().map_or_else(String::new, |Pattern { share, visit }| {
             let percent = 100.0 * share;
             let stays = if visit.entered == 1 { "stay" } else { "stays" };
             format!(": {percent:.2} % of the time in {} {stays}", visit.entered)
         });
-        writeln!(out, "{}{note}{stays}", in_words(&row.states, scene))?;
+        writeln!(out, "{states}{note}{stays}")?;
         for cell in cells(&row.spectrum) {
             writeln!(out, "  {cell}")?;
         }

@@ -14,7 +14,7 @@ use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::critical_step;
 use amontons_analysis::output::{self, check_folder, check_inputs_stay};
 use amontons_cli::say;
-use amontons_export::documentation::{Subject, counted, documentation, first_forces, size};
+use amontons_export::documentation::{Subject, counted, documentation, normal_forces, size};
 use amontons_export::package::{self, Library};
 use amontons_export::scene;
 use std::path::{Path, PathBuf};
@@ -138,13 +138,11 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     Ok(())
 }
 
-/// Prints the normal forces of the first contacts at the start of the run.
+/// Prints the normal forces of the first closed contacts at the start of the run, and how many are open.
 fn print_equilibrium(scene: &Scene, equilibrium: &Equilibrium) {
     const MOST: usize = 4;
-    let all = &equilibrium.normal_force;
-    let forces = first_forces(scene, &all[..all.len().min(MOST)]);
-    let more = if all.len() > MOST { ", …" } else { "" };
+    let forces = normal_forces(scene, equilibrium, MOST);
     if !forces.is_empty() {
-        say!("  equilibrium    {forces}{more}");
+        say!("  equilibrium    {forces}");
     }
 }

@@ -37,6 +37,14 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
         }
         also.push((label, open(location)?));
     }
+    if arguments.freedoms.is_some() {
+        // The table of freedoms is not to blame for a matrix that is unlike the others.
+        let unnamed = also.iter().filter(|(_, matrix)| matrix.freedoms.is_none());
+        check_sizes(unnamed, stiffness.rows)?;
+    }
+    let locations = arguments.also.iter().map(|(_, location)| location);
+    let locations = [&arguments.stiffness, &arguments.mass].into_iter().chain(locations);
+    let files: Vec<String> = locations.map(ToString::to_string).collect();
     let others = also.iter_mut().map(|(_, matrix)| matrix);
     let mut all: Vec<&mut Matrix> = [&mut stiffness, &mut mass].into_iter().chain(others).collect();
     if let Some(path) = &arguments.freedoms {
@@ -53,17 +61,14 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
             name_rows(matrix, &freedoms, path)?;
         }
     }
-    align(&mut all).map_err(Error::argument)?;
-    let structure = Structure::new(&stiffness, &mass)?;
-    for (label, matrix) in &also {
-        if [matrix.rows, matrix.columns] != [stiffness.rows; 2] {
-            return Err(Error::argument(format!(
-                "--also {label} has {} rows and {} columns, and the stiffness matrix {} rows; all must be square and of one size",
-                matrix.rows, matrix.columns, stiffness.rows
-            ))
-            .into());
-        }
+    align(&mut all, &files).map_err(Error::argument)?;
+    check_sizes(&also, stiffness.rows)?;
+    if stiffness.freedoms.is_none() {
+        eprintln!(
+            "note: the files name no nodes: --contacts and --retain take numbers of rows; give --freedoms for nodes and directions"
+        );
     }
+    let structure = Structure::new(&stiffness, &mass)?;
     if arguments.output.join(CERTIFICATE).exists() {
         return Err(Error::argument(format!(
             "{} holds another superelement; remove it, or give another folder",
@@ -122,6 +127,22 @@ pub fn run(arguments: &Reduce) -> Result<(), Box<dyn std::error::Error>> {
     }
     say!("\nwritten to {}", arguments.output.display());
     if report.is_complete() { Ok(()) } else { Err(NotShown.into()) }
+}
+
+/// Refuses a further matrix that has not as many rows and columns as the stiffness matrix.
+fn check_sizes<'a>(
+    also: impl IntoIterator<Item = &'a (&'a String, Matrix)>,
+    order: usize,
+) -> Result<(), Error> {
+    for (label, matrix) in also {
+        if [matrix.rows, matrix.columns] != [order; 2] {
+            return Err(Error::argument(format!(
+                "--also {label} has {} rows and {} columns, and the stiffness matrix {order} rows; all must be square and of one size",
+                matrix.rows, matrix.columns
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The superelement is written, but it was not shown that no mode is missing.

@@ -8,6 +8,9 @@ use std::io::{self, Write};
 /// Intervals are printed in units of one by this, Hz, rounded outwards.
 const SHOWN: f64 = 1e5;
 
+/// Errors from the first number on and below the second, %, are printed as plain decimals.
+const PLAIN: (f64, f64) = (0.01, 1000.0);
+
 /// An error of a frequency that is worth a remark, as a part of it.
 const NOTED: f64 = 0.01;
 
@@ -111,11 +114,18 @@ impl Certified {
     }
 }
 
-/// A part in percent, rounded up to two digits.
+/// A part in percent, rounded up to two digits; as a plain decimal from 0.01 to 1000 %.
 fn percent(part: f64) -> String {
     let percent = 100.0 * part;
-    let unit = libm::pow(10.0, libm::floor(libm::log10(percent)) - 1.0);
-    format!("{:.1e}", (percent / unit).ceil() * unit)
+    let second_digit = |value: f64| libm::floor(libm::log10(value)) - 1.0;
+    let unit = libm::pow(10.0, second_digit(percent));
+    let rounded = (percent / unit).ceil() * unit;
+    if !(PLAIN.0..PLAIN.1).contains(&rounded) {
+        return format!("{rounded:.1e}");
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let places = (-second_digit(rounded)).max(0.0) as usize;
+    format!("{rounded:.places$}")
 }
 
 impl Report {
@@ -186,5 +196,28 @@ impl Report {
             self.kept_up_to_hz,
             out,
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::percent;
+
+    #[test]
+    fn errors_are_plain_decimals_unless_they_are_tiny_or_huge() {
+        for (part, text) in [
+            (0.0695, "7.0"),
+            (0.0701, "7.1"),
+            (0.00735, "0.74"),
+            (1.39e-4, "0.014"),
+            (0.1195, "12"),
+            (1.201, "130"),
+            (9.96e-3, "1.0"),
+            (8.95e-5, "9.0e-3"),
+            (8.25e-13, "8.3e-11"),
+            (12.3, "1.3e3"),
+        ] {
+            assert_eq!(percent(part), text, "{part}");
+        }
     }
 }
