@@ -155,3 +155,43 @@ fn method(subject: Subject<'_>) -> String {
         None => text,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::parse;
+
+    /// Blocks of their own on a belt, each with its load along y, N; upwards the load opens the contact.
+    fn told(loads: &[f64], most: usize) -> String {
+        let mut text = String::from(
+            "[slider]\nvelocity = 1.0\nangle = 0.0\n[friction]\ncoefficient = 0.1\n\
+             [integrator]\nmethod = \"event-driven\"\nstep = 1e-4\n",
+        );
+        for (i, load) in loads.iter().enumerate() {
+            text += &format!(
+                "[[mass]]\nname = \"m{i}\"\nmass = 1.0\nforce = [0.0, {load:?}]\n\
+                 [[spring]]\nname = \"x{i}\"\nbetween = [\"m{i}\", \"ground\"]\ndirection = \"x\"\nstiffness = 1e4\n\
+                 [[spring]]\nname = \"y{i}\"\nbetween = [\"m{i}\", \"ground\"]\ndirection = \"y\"\nstiffness = 1e4\n\
+                 [[contact]]\nname = \"c{i}\"\nmass = \"m{i}\"\n"
+            );
+        }
+        let scene = parse("blocks", &text).unwrap();
+        let simulation = amontons::simulation::Simulation::new(scene.clone(), 0.0).unwrap();
+        normal_forces(&scene, simulation.reference(), most)
+    }
+
+    #[test]
+    fn open_contacts_are_counted_and_closed_ones_have_their_forces() {
+        assert_eq!(told(&[-5.0, -4.0], 2), "5.0000 N at contact.c0, 4.0000 N at contact.c1");
+        assert_eq!(
+            told(&[1.0, -5.0, -4.0], 2),
+            "5.0000 N at contact.c1, 4.0000 N at contact.c2; 1 of 3 contacts is open"
+        );
+        assert_eq!(
+            told(&[1.0, -5.0, 2.0, -4.0], 1),
+            "5.0000 N at contact.c1, and 1 more; 2 of 4 contacts are open"
+        );
+        assert_eq!(told(&[1.0, 2.0], 4), "all 2 contacts are open");
+        assert_eq!(told(&[1.0], 4), "the contact is open");
+    }
+}
