@@ -15,7 +15,7 @@ const COARSE: f64 = 1e-9;
 /// Largest number of degrees of freedom of which full matrices are made.
 const MOST_DENSE: usize = 800;
 /// Rounding of the forces of springs that is more than this part of the largest force decides about an equilibrium.
-const MOST_ROUNDED: f64 = 1e-6;
+const MOST_ROUNDED: f64 = 1e-3;
 /// A gap below this part of its terms is the rounding of zero.
 const FINE: f64 = 1e-12;
 
@@ -219,7 +219,7 @@ impl LumpedModel {
             Others::None => Uniqueness::One,
             Others::Unknown => Uniqueness::Unknown,
             Others::Closed(closed) => match self.with_closed(&closed, &slopes) {
-                Ok(Some(other)) => Uniqueness::Several(other),
+                Ok(Some(other)) if !self.is_held_by_rounding(&other) => Uniqueness::Several(other),
                 _ => Uniqueness::Unknown,
             },
         }

@@ -100,9 +100,9 @@ pub(super) fn mechanism() -> Error {
 /// The error of a structure that the load carries off to this distance, m.
 pub(super) fn held_by_rounding(distance: f64) -> Error {
     Error::equilibrium(format!(
-        "no equilibrium: the load would move the structure by {distance:.1e} m, where nothing but the rounding of its \
-         stiffness holds it; springs do not hold it in all its motions: press it on its contacts by a preload or a force, or hold it \
-         by a spring"
+        "no equilibrium: the load would move the structure by {distance:.1e} m, where rounding of its stiffness decides what holds it; \
+         springs do not hold it in all its motions, or their stiffnesses differ too much: press it on its contacts by a preload or a \
+         force, or hold it by a spring"
     ))
 }
 

@@ -145,7 +145,7 @@ impl Scene {
                     let ends = [Some(contact.mass), contact.on].into_iter().flatten();
                     !ends.into_iter().any(|point| network.moves_across(point, contact, self.slider))
                 };
-                let has_none = network.contacts.iter().all(lacks);
+                let has_none = !network.contacts.is_empty() && network.contacts.iter().all(lacks);
                 has_none.then(|| "no contact has a motion across its sliding".to_owned())
             }
         };

@@ -25,10 +25,14 @@ fn states(model: &LumpedModel) -> Vec<Vec<ContactState>> {
     let allowed = ContactState::ALL.into_iter().take(kinds);
     let allowed = allowed.filter(|state| kinds == 1 || model.law.allows(*state));
     let mut states: Vec<_> = allowed.map(|state| vec![state; model.contacts.len()]).collect();
-    let at_rest = model.equilibrium(&|contact| contact.to_string());
-    let at_rest = at_rest.ok().map(|found| found.states(model));
-    states.extend(at_rest.filter(|found| !states.contains(found)));
+    states.extend(at_rest(model).filter(|found| !states.contains(found)));
     states
+}
+
+/// The state of the equilibrium; `None` where there is none.
+pub(super) fn at_rest(model: &LumpedModel) -> Option<Vec<ContactState>> {
+    let found = model.equilibrium(&|contact| contact.to_string());
+    found.ok().map(|found| found.states(model))
 }
 
 /// A step, s, that all these states admit; a larger one is not known.

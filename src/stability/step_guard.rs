@@ -1,7 +1,9 @@
 //! The guard that refuses steps above the critical one during a run.
 
+use super::alike_states;
 use super::critical_step::{
     Origin, all_admissible, can_be_enumerated, critical_step, has_friction, is_reached,
+    state_admits,
 };
 use super::frequency_bound::{FrequencyBound, Sizes};
 use super::step_search::largest;
@@ -171,7 +173,8 @@ impl StepGuard {
     }
 
     /// `true` if the states of a model with a full mass matrix admit the step. Each examination takes a good part of a second, so it
-    /// looks ahead to somewhat more friction and damping, and holds for less.
+    /// looks ahead to somewhat more friction and damping, and holds for less. More friction may have an equilibrium with other open
+    /// contacts, so the state of the present one is examined with both.
     fn full_states_admit(&mut self, linear: LinearModel<'_>) -> bool {
         let is_less = |(now, before): (SlidingFriction, &SlidingFriction)| {
             now.coefficient <= before.coefficient
@@ -191,7 +194,12 @@ impl StepGuard {
         }
         let step = (1.0 + ROUNDING) * self.step;
         let mut models = [rougher.with_greatest_friction(), linear].into_iter();
-        let admitted = models.find(|model| is_reached(step, *model, |_| true));
+        let at_rest = alike_states::at_rest(linear.model());
+        let admits_rest = |model: LinearModel<'_>| {
+            at_rest.iter().all(|states| state_admits(step, model, states).unwrap_or(false))
+        };
+        let admitted =
+            models.find(|model| is_reached(step, *model, |_| true) && admits_rest(*model));
         self.admitted = admitted.map(|it| (it.friction().collect(), it.model().damping));
         admitted.is_some()
     }

@@ -149,7 +149,10 @@ fn the_scheme_invents_no_growth_in_the_state_of_the_equilibrium() {
         let Ok(equilibrium) = model.equilibrium(&|contact| contact.to_string()) else { continue };
         let states = equilibrium.states(&model);
         mixed += usize::from(states.iter().any(|state| *state != states[0]));
-        let step = 0.999 * critical_step(&model).unwrap().step;
+        let critical = critical_step(&model).unwrap().step;
+        assert!(StepGuard::new(&model, 0.999 * critical).check(&model).is_ok());
+        assert!(StepGuard::new(&model, 1.001 * critical).check(&model).is_err(), "{states:?}");
+        let step = 0.999 * critical;
         let reduced = model.linear_about(&equilibrium).reduced(&states).unwrap();
         let squares = reduced.mass.try_inverse().unwrap() * reduced.stiffness;
         for square in squares.complex_eigenvalues().iter().filter(|square| square.im > 0.0) {

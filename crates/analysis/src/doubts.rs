@@ -298,7 +298,7 @@ fn doubled(scene: &Scene) -> Option<String> {
     let (first, contact) = twice.next()?;
     let others = twice.count();
     let more =
-        if others == 0 { String::new() } else { format!(", and {others} more contacts are so") };
+        if others == 0 { String::new() } else { format!("; the same holds for {others} more") };
     Some(format!(
         "{} slides in two contacts of the set {}, contact.{first} and contact.{}{more}; check the column node of its pairs, unless \
          the node touches two points",

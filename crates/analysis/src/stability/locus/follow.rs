@@ -18,7 +18,7 @@ const FEWEST_STEPS: f64 = 200.0;
 /// An extremum beside an end of the range shows at a point this part of a step from it.
 const BESIDE_END: f64 = 1e-3;
 
-/// Number of values at which roots are found side by side, on all cores.
+/// Number of values at which roots are found side by side, on up to as many cores.
 const SIDE_BY_SIDE: usize = 8;
 
 /// Gives the roots at a value of the parameter; always the same number of them.
@@ -163,7 +163,7 @@ impl Tracker<'_> {
             .collect();
         let mut order = assign(&predicted, &found);
         self.number_merged(&found, &mut order);
-        if is_ambiguous(&predicted, &found, &order, self.watched) {
+        if self.is_ambiguous(&predicted, &found, &order) {
             if halvings < MAX_HALVINGS {
                 let middle = self.value + 0.5 * step;
                 self.move_to(middle, (self.evaluate)(middle)?, halvings + 1)?;
@@ -184,6 +184,22 @@ impl Tracker<'_> {
         self.roots = next;
         self.value = value;
         Ok(())
+    }
+
+    /// `true` if a branch that is watched here or there might as well continue in another root. Double roots count as one.
+    fn is_ambiguous(&self, predicted: &[Complex<f64>], found: &[Root], order: &[usize]) -> bool {
+        let branches = predicted.iter().zip(order).zip(&self.roots);
+        let watched = branches.filter(|((_, place), before)| {
+            self.watched.contains(**before) || self.watched.contains(found[**place])
+        });
+        watched.map(|(ends, _)| ends).any(|(predicted, &place)| {
+            let own = found[place].sigma;
+            let miss = (predicted - own).norm();
+            found.iter().any(|other| {
+                let apart = (other.sigma - own).norm();
+                apart > DOUBLE * own.norm() && miss > 0.2 * apart
+            })
+        })
     }
 
     /// Two roots that have just merged are alike: they are numbered by [`order_of_merged`].
@@ -249,22 +265,4 @@ fn assign(predicted: &[Complex<f64>], found: &[Root]) -> Vec<usize> {
         }
     }
     order
-}
-
-/// `true` if a watched branch might as well continue in another root. Double roots count as one.
-fn is_ambiguous(
-    predicted: &[Complex<f64>],
-    found: &[Root],
-    order: &[usize],
-    watched: Watched,
-) -> bool {
-    let pairs = predicted.iter().zip(order);
-    pairs.filter(|&(_, &place)| watched.contains(found[place])).any(|(predicted, &place)| {
-        let own = found[place].sigma;
-        let miss = (predicted - own).norm();
-        found.iter().any(|other| {
-            let apart = (other.sigma - own).norm();
-            apart > DOUBLE * own.norm() && miss > 0.2 * apart
-        })
-    })
 }

@@ -119,8 +119,9 @@ pub struct Locus {
     /// uniform sliding]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
-    /// Only modes whose frequency lies between A and B, Hz [default: all, which takes minutes for a hundred modes or more]
-    #[arg(long, value_name = "A:B", value_parser = ends)]
+    /// Only modes whose frequency lies between A and B, Hz; modes that do not oscillate have 0 [default: all, which takes minutes
+    /// for a hundred modes or more]
+    #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub frequencies: Option<[f64; 2]>,
     /// Print the points of all branches as CSV instead of the events
     #[arg(long)]

@@ -190,6 +190,12 @@ impl Family<'_> {
         }
         let done = |done: usize, all: usize| progress(done as f64 / all as f64);
         let locus = locus(&here, &self.states, self.values, self.frequencies, &done)?;
+        if self.frequencies != ALL_FREQUENCIES && locus.followed().next().is_none() {
+            let [from, to] = self.frequencies;
+            return Err(Failure::Usage(format!(
+                "no mode has a frequency from {from} to {to} Hz; widen --frequencies, or leave it out"
+            )));
+        }
         let equilibrium = is_uniform.then_some(equilibrium);
         self.members.push(Member { at, locus, equilibrium });
         Ok(())
@@ -222,9 +228,13 @@ impl Family<'_> {
     fn print_events(&self, out: &mut dyn Write) -> Result<(), Failure> {
         let [first, .., last] = self.values else { unreachable!("a range has two ends") };
         let states = in_words(&self.states, &self.given.scene);
+        let bounds = match self.frequencies {
+            ALL_FREQUENCIES => String::new(),
+            [from, to] => format!(", modes from {from} to {to} Hz"),
+        };
         writeln!(
             out,
-            "{}: state {states}, {} from {first} to {last}",
+            "{}: state {states}, {} from {first} to {last}{bounds}",
             self.given.scene.name, self.name
         )?;
         write!(out, "{}", self.given.head())?;
@@ -389,13 +399,16 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
         writeln!(out, "    {}  {}", significant(event.value, LOCATED), turn(event))?;
     }
     if locus.crossings.is_empty() {
-        let firsts = locus.branches.iter().map(|branch| branch[0]);
-        let grows = firsts.filter(|&root| locus.contains(root)).any(|root| root.lambda.re > 0.0);
-        writeln!(
-            out,
-            "    none found: {}",
-            if grows { "a mode grows everywhere" } else { "no mode grows" }
-        )?;
+        let points = || locus.followed().flat_map(|(_, branch)| branch.iter().copied());
+        let grows = points().any(|root| locus.contains(root) && root.lambda.re > 0.0);
+        let is_bounded = locus.frequencies != ALL_FREQUENCIES;
+        let found = match (grows, is_bounded) {
+            (true, false) => "a mode grows everywhere",
+            (false, false) => "no mode grows",
+            (true, true) => "a mode grows wherever its frequency is in the range",
+            (false, true) => "no mode grows while its frequency is in the range",
+        };
+        writeln!(out, "    none found: {found}")?;
     }
     for value in &locus.undecided {
         let value = significant(*value, LOCATED);

@@ -77,7 +77,10 @@ impl Meshes {
         let modes = oscillating(modes)?;
         fs::create_dir_all(folder).map_err(|error| Error::file(folder, &error))?;
         let mut files = Vec::new();
+        let mut time = f64::NEG_INFINITY;
         for (number, mode) in modes {
+            // Two modes that have merged have one frequency, and files of one time are one picture.
+            time = mode.frequency_hz().max(time.next_up());
             for (place, (part, motion)) in self.0.iter().zip(self.motions(mode)?).enumerate() {
                 let name = format!("mode_{number:03}_{}.vtu", part.name);
                 let [real, imaginary] = parts_of(&motion).map(|part| part.concat());
@@ -87,7 +90,7 @@ impl Meshes {
                     field("displacement_quarter_earlier", &imaginary),
                 ];
                 output::write(&folder.join(&name), write_vtu(&part.mesh, &fields).as_bytes())?;
-                files.push((mode.frequency_hz(), place, name));
+                files.push((time, place, name));
             }
         }
         let listed = files.iter().map(|(time, place, name)| (*time, *place, name.as_str()));

@@ -181,7 +181,7 @@ pub struct Reduce {
     /// Further nodes that are retained: those of loads, springs, outputs
     #[arg(long, value_name = "NODES", value_parser = nodes)]
     pub retain: Option<Nodes>,
-    /// Frequency up to which the superelement is to hold, Hz; all frequencies are in 1 by the unit of time of the files, so in kHz
+    /// Frequency up to which the superelement is to hold, Hz; all frequencies are in the inverse of the unit of time of the files, kHz
     /// if that is the millisecond
     #[arg(long, value_name = "HZ", value_parser = above_zero, allow_hyphen_values = true)]
     pub frequency: f64,
