@@ -3,7 +3,7 @@
 use super::banded::{self, Singular};
 use super::closing::{Condensed, Others, Unheld};
 use super::missing::{held_by_rounding, mechanism};
-use super::{Contact, Entry, LumpedModel, SparseMatrix, ring};
+use super::{Entry, LumpedModel, SparseMatrix, ring};
 use crate::Error;
 use crate::contact::ContactState;
 use crate::numerics::max_norm;
@@ -151,8 +151,7 @@ impl LumpedModel {
             if let Some(found) = self.with_closed(&closed, slopes).ok()? {
                 return Some(found);
             }
-            let found =
-                self.solve_closed(&closed, slopes, &self.load, |contact| contact.gap).ok()?;
+            let found = self.solve_closed(&closed, slopes, &self.load, self.gaps()).ok()?;
             for (i, closed) in closed.iter_mut().enumerate() {
                 *closed = if *closed { found.normal_force[i] >= 0.0 } else { found.gap[i] < 0.0 };
             }
@@ -167,7 +166,7 @@ impl LumpedModel {
         closed: &[bool],
         slopes: &[f64],
     ) -> Result<Option<Equilibrium>, Singular> {
-        let mut found = self.solve_closed(closed, slopes, &self.load, |contact| contact.gap)?;
+        let mut found = self.solve_closed(closed, slopes, &self.load, self.gaps())?;
         let pressed = found.normal_force.iter().fold(0.0, |most, force| f64::max(most, *force));
         for (i, contact) in self.contacts.iter().enumerate() {
             let terms =
@@ -233,8 +232,8 @@ impl LumpedModel {
     }
 
     /// Changes of the contact forces of the equilibrium in uniform sliding: (dN, dT) of each contact, N, for changes of
-    /// the load, N, and of the signed friction coefficients `slopes` = T/N, in this equilibrium. Open contacts stay open.
-    /// The map is linear: K dX = dF + Σ (G_N + s µ G_T)ᵀ dN + G_Tᵀ N d(s µ), G_N dX = 0.
+    /// the load, N, of the signed friction coefficients `slopes` = T/N, and of the gaps dg, m, in this equilibrium. Open
+    /// contacts stay open. The map is linear: K dX = dF + Σ (G_N + s µ G_T)ᵀ dN + G_Tᵀ N d(s µ), G_N dX = −dg.
     ///
     /// # Errors
     /// Returns an error if there is no equilibrium.
@@ -243,6 +242,7 @@ impl LumpedModel {
         mut load: Vec<f64>,
         slopes: &[f64],
         slope_changes: &[f64],
+        gap_changes: &[f64],
         here: &Equilibrium,
     ) -> Result<Vec<[f64; 2]>, Error> {
         let weakened = || here.normal_force.iter().zip(slope_changes).map(|(force, by)| force * by);
@@ -250,34 +250,41 @@ impl LumpedModel {
             contact.tangent.add_to(&mut load, change);
         }
         let closed: Vec<bool> = (0..self.contacts.len()).map(|i| here.is_closed(i)).collect();
-        let found = self.solve_closed(&closed, slopes, &load, |_| 0.0).map_err(|_| {
+        let gaps = gap_changes.iter().copied();
+        let found = self.solve_closed(&closed, slopes, &load, gaps).map_err(|_| {
             Error::equilibrium("the equilibrium has no derivative where a structure jams")
         })?;
         let forces = found.normal_force.into_iter().zip(found.friction_force);
         Ok(forces.zip(weakened()).map(|((n, t), own)| [n, t + own]).collect())
     }
 
+    /// The gaps of the contacts where nothing is displaced, m.
+    fn gaps(&self) -> impl Iterator<Item = f64> + Clone {
+        self.contacts.iter().map(|contact| contact.gap)
+    }
+
     /// Solves for the equilibrium with all contacts closed and sliding, with the signed friction coefficients `slopes`
     /// = T/N, under this load, N.
     pub(super) fn solve(&self, slopes: &[f64], load: &[f64]) -> Result<Equilibrium, Singular> {
-        self.solve_closed(&vec![true; self.contacts.len()], slopes, load, |contact| contact.gap)
+        self.solve_closed(&vec![true; self.contacts.len()], slopes, load, self.gaps())
     }
 
     /// Solves for the equilibrium with these contacts closed and sliding, and the others open, whatever the signs of
-    /// forces and gaps. `apart` is the gap of a contact, m, where nothing is displaced.
+    /// forces and gaps. `apart` are the gaps of the contacts, m, where nothing is displaced.
     fn solve_closed(
         &self,
         closed: &[bool],
         slopes: &[f64],
         load: &[f64],
-        apart: impl Fn(&Contact) -> f64,
+        apart: impl Iterator<Item = f64> + Clone,
     ) -> Result<Equilibrium, Singular> {
         let dofs = self.dofs();
         let mut entries: Vec<Entry> = self.stiffness.entries().collect();
         let mut load = load.to_vec();
         // In the unit of a stiffness the border is of the size of the rest, which pivoting needs.
         let unit = entries.iter().fold(0.0_f64, |unit, entry| unit.max(entry.2.abs()));
-        for ((contact, slope), _) in self.contacts.iter().zip(slopes).zip(closed).filter(|c| *c.1) {
+        let contacts = self.contacts.iter().zip(slopes).zip(apart.clone());
+        for (((contact, slope), apart), _) in contacts.zip(closed).filter(|c| *c.1) {
             let multiplier = load.len();
             for &(dof, value) in &contact.normal.0 {
                 entries.push((multiplier, dof, unit * value));
@@ -286,7 +293,7 @@ impl LumpedModel {
             for &(dof, value) in &contact.tangent.0 {
                 entries.push((dof, multiplier, -unit * (slope * value)));
             }
-            load.push(0.0 - unit * apart(contact));
+            load.push(0.0 - unit * apart);
         }
         let mut displacement = banded::solve(load.len(), &entries, &load)?;
         let mut multipliers = displacement.split_off(dofs).into_iter();
@@ -295,8 +302,8 @@ impl LumpedModel {
             .map(|closed| if *closed { unit * multipliers.next().unwrap_or(0.0) } else { 0.0 })
             .collect();
         let friction_force = slopes.iter().zip(&normal_force).map(|(slope, n)| slope * n).collect();
-        let gap = self.contacts.iter().zip(closed).map(|(contact, closed)| {
-            if *closed { 0.0 } else { apart(contact) + contact.normal.dot(&displacement) }
+        let gap = self.contacts.iter().zip(closed).zip(apart).map(|((contact, closed), apart)| {
+            if *closed { 0.0 } else { apart + contact.normal.dot(&displacement) }
         });
         let gap = gap.collect();
         Ok(Equilibrium { displacement, normal_force, friction_force, gap })

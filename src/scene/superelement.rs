@@ -55,6 +55,20 @@ impl SuperelementMatrices {
         if problems.is_empty() { Ok(Self(Arc::new(matrices))) } else { Err(problems) }
     }
 
+    /// The same degrees of freedom with matrices of zeros: nothing of the superelement is then left in a model.
+    #[must_use]
+    pub fn emptied(&self) -> Self {
+        let Matrices { freedoms, mass, .. } = &*self.0;
+        let zeros = vec![0.0; mass.len()];
+        let freedoms = freedoms.clone();
+        Self(Arc::new(Matrices {
+            freedoms,
+            mass: zeros.clone(),
+            stiffness: zeros,
+            damping: vec![],
+        }))
+    }
+
     /// Number n of degrees of freedom.
     #[must_use]
     pub fn dofs(&self) -> usize {

@@ -6,6 +6,9 @@ use amontons::simulation::catalogue::Quantity;
 use amontons::simulation::{Parameters, Variable, rule, variables, write_scene};
 use std::collections::HashSet;
 
+/// The name of the common friction coefficient.
+pub const FRICTION: &str = "friction.coefficient";
+
 /// The value that a scene gives to a parameter, an input, or a value of a signal ([`assign`]).
 ///
 /// # Errors

@@ -93,12 +93,25 @@ impl LawInfo {
 pub struct VelocityDependence {
     /// Coefficient µ(v_r).
     pub friction: fn(Friction, f64) -> f64,
-    /// Slope dµ/d|v_r|, s/m.
-    pub slope: fn(Friction, f64) -> f64,
-    /// Derivatives ∂µ/∂µ_k and ∂µ/∂µ_s.
-    pub by_coefficients: fn(Friction, f64) -> [f64; 2],
+    /// Derivatives of µ(v_r). That by the speed is the slope dµ/d|v_r|, s/m.
+    pub friction_by: fn(Friction, f64) -> FrictionDerivatives,
+    /// Derivatives of the slope dµ/d|v_r|.
+    pub slope_by: fn(Friction, f64) -> FrictionDerivatives,
     /// The greatest µ of a contact that slips.
     pub greatest: fn(Friction) -> f64,
+}
+
+/// The derivatives of µ, or of its slope dµ/d|v_r| (s/m), by each quantity that they depend on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrictionDerivatives {
+    /// By the kinetic coefficient µ_k.
+    pub kinetic: f64,
+    /// By the static coefficient µ_s.
+    pub static_: f64,
+    /// By the Stribeck velocity v_s, m/s.
+    pub stribeck_velocity: f64,
+    /// By the size |v_r| of the slip velocity, m/s.
+    pub speed: f64,
 }
 
 /// A law that gives the friction on a closed contact.
@@ -221,7 +234,7 @@ impl Law {
     /// dµ/d|v_r| at a slip velocity v_r, s/m; v_r in m/s.
     #[must_use]
     pub fn slope_at(self, friction: Friction, slip: f64) -> f64 {
-        self.info().velocity_dependence.map_or(0.0, |law| (law.slope)(friction, slip))
+        self.info().velocity_dependence.map_or(0.0, |law| (law.friction_by)(friction, slip).speed)
     }
 
     /// The greatest µ that a contact can have in slip.

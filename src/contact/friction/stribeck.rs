@@ -3,7 +3,9 @@
 //!
 //! Over a step, µ is that of the slip velocity at its beginning, as for damping: an approximation of first order.
 
-use super::{FixedDirection, Friction, FrictionLaw, LawInfo, VelocityDependence};
+use super::{
+    FixedDirection, Friction, FrictionDerivatives, FrictionLaw, LawInfo, VelocityDependence,
+};
 use crate::contact::ContactState;
 
 pub(super) const INFO: LawInfo = LawInfo {
@@ -12,13 +14,25 @@ pub(super) const INFO: LawInfo = LawInfo {
     equation: "|T| ≤ µ_s N, T = ±(µ + (µ_s − µ) exp(−|v_r|/v_s)) N in slip",
     velocity_dependence: Some(VelocityDependence {
         friction: |friction, slip| Stribeck::new(friction, 0.0).at(slip, ContactState::Slide).now,
-        slope: |friction, slip| {
-            let Friction { kinetic, static_, stribeck_velocity: v_s, .. } = friction;
-            -(static_ - kinetic) * (libm::exp(-slip.abs() / v_s) / v_s)
+        friction_by: |friction, slip| {
+            let Friction { kinetic, static_, stribeck_velocity: v_s } = friction;
+            let decay = libm::exp(-slip.abs() / v_s);
+            FrictionDerivatives {
+                kinetic: 1.0 - decay,
+                static_: decay,
+                stribeck_velocity: (static_ - kinetic) * decay * (slip.abs() / v_s) / v_s,
+                speed: -(static_ - kinetic) * (decay / v_s),
+            }
         },
-        by_coefficients: |friction, slip| {
-            let decay = libm::exp(-slip.abs() / friction.stribeck_velocity);
-            [1.0 - decay, decay]
+        slope_by: |friction, slip| {
+            let Friction { kinetic, static_, stribeck_velocity: v_s } = friction;
+            let rate = libm::exp(-slip.abs() / v_s) / v_s;
+            FrictionDerivatives {
+                kinetic: rate,
+                static_: -rate,
+                stribeck_velocity: (static_ - kinetic) * rate * (1.0 - slip.abs() / v_s) / v_s,
+                speed: (static_ - kinetic) * (rate / v_s),
+            }
         },
         greatest: |friction| friction.static_,
     }),
@@ -77,15 +91,37 @@ mod tests {
             [(0.0, 0.3), (0.1, 0.3 / 1_f64.exp()), (-0.2, 0.3 / 2_f64.exp())]
         {
             assert!((mu(slip) - (0.2 + over_kinetic)).abs() < 1e-15);
-            let (h, slope) = (1e-6, (FALLS.slope)(FRICTION, slip.abs() + 1e-6));
-            let difference = mu(slip.abs() + 2.0 * h) - mu(slip.abs());
-            assert!((difference / (2.0 * h) - slope).abs() < 1e-8 * slope.abs());
-            let change = |by: Friction| (FALLS.friction)(by, slip) - mu(slip);
-            let by = (FALLS.by_coefficients)(FRICTION, slip);
-            let [kinetic, static_] =
-                [Friction { kinetic: 1.2, ..FRICTION }, Friction { static_: 1.5, ..FRICTION }];
-            for (difference, expected) in [change(kinetic), change(static_)].iter().zip(by) {
-                assert!((difference - expected).abs() < 1e-15, "{difference} {expected}");
+        }
+    }
+
+    /// Central differences with Richardson's correction: their error is of the fourth order.
+    fn difference(function: impl Fn(f64) -> f64, at: f64) -> f64 {
+        let central = |h: f64| (function(at + h) - function(at - h)) / (2.0 * h);
+        (4.0 * central(1e-4) - central(2e-4)) / 3.0
+    }
+
+    #[test]
+    fn derivatives_are_the_limits_of_differences() {
+        let slope = |friction, slip| (FALLS.friction_by)(friction, slip).speed;
+        for slip in [0.03, 0.1, -0.25] {
+            let all: [(&dyn Fn(Friction, f64) -> f64, FrictionDerivatives); 2] = [
+                (&FALLS.friction, (FALLS.friction_by)(FRICTION, slip)),
+                (&slope, (FALLS.slope_by)(FRICTION, slip)),
+            ];
+            for (of, by) in all {
+                let expected = [
+                    difference(|kinetic| of(Friction { kinetic, ..FRICTION }, slip), 0.2),
+                    difference(|static_| of(Friction { static_, ..FRICTION }, slip), 0.5),
+                    difference(
+                        |stribeck_velocity| of(Friction { stribeck_velocity, ..FRICTION }, slip),
+                        0.1,
+                    ),
+                    difference(|speed| of(FRICTION, speed), slip.abs()),
+                ];
+                let found = [by.kinetic, by.static_, by.stribeck_velocity, by.speed];
+                for (found, expected) in found.iter().zip(expected) {
+                    assert!((found - expected).abs() < 1e-8 * expected.abs(), "{found} {expected}");
+                }
             }
         }
     }

@@ -94,7 +94,8 @@ impl Simulation {
         }
         let load = std::mem::replace(&mut change.load, vec![0.0; self.model.dofs()]);
         let here = &self.reference.equilibrium;
-        change.reference = self.model.equilibrium_change(load, &slopes, &by, here)?;
+        change.reference =
+            self.model.equilibrium_change(load, &slopes, &by, &vec![0.0; by.len()], here)?;
         Ok(())
     }
 }

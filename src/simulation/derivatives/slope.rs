@@ -26,10 +26,11 @@ impl Slope {
             let value = sign * friction.kinetic;
             return Self { value, by_slip: 0.0, by_coefficients: [sign, 0.0] };
         };
+        let by = (dependence.friction_by)(friction, slip);
         Self {
             value: sign * (dependence.friction)(friction, slip),
-            by_slip: sign * (dependence.slope)(friction, slip) * slip.signum(),
-            by_coefficients: (dependence.by_coefficients)(friction, slip).map(|by| sign * by),
+            by_slip: sign * by.speed * slip.signum(),
+            by_coefficients: [by.kinetic, by.static_].map(|by| sign * by),
         }
     }
 

@@ -13,6 +13,7 @@
 //! | `state_energy` | how large a motion must be before contacts can be in another state |
 //! | `candidates` | ranges of µ that can be bi-stable |
 //! | `map` | the verdict over two parameters |
+//! | `sensitivity` | derivatives of growth rates, frequencies and critical µ by the parameters |
 
 pub mod candidates;
 mod growth;
@@ -23,6 +24,7 @@ pub mod map;
 mod modes;
 mod named;
 pub mod parallel;
+mod sensitivity;
 mod state_energy;
 mod states;
 
@@ -31,5 +33,9 @@ pub use linearity_limit::{LinearityLimit, linearity_limit};
 pub use modes::{Mode, Modes, modes};
 pub use named::named_states;
 pub use parallel::{is_on_this_thread, on_this_thread};
+pub use sensitivity::{
+    CriticalFriction, Merging, ModeSensitivity, Parameter, Sensitivities, critical_friction,
+    sensitivities,
+};
 pub use state_energy::{StateEnergy, state_energy};
 pub use states::{MAX_CONTACTS, StateClasses, spectra_of};

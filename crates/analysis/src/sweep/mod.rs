@@ -44,7 +44,7 @@ pub fn axis(scene: &Scene, name: &str) -> String {
 }
 
 /// The name of µ among the parameters.
-pub const FRICTION: &str = "friction.coefficient";
+pub use crate::assign::FRICTION;
 
 /// The outputs to observe, and the window.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,10 +1,11 @@
-//! Pictures: curves, rasters and lanes over a common axis, maps of classes, the modes of a ring in motion, and
+//! Pictures: curves, rasters and lanes over a common axis, bars, maps of classes, the modes of a ring in motion, and
 //! structures of masses and links.
 //!
 //! Each kind of picture is plain data with a `write`; the name's ending says what is written,
 //! `.svg` or `.png`. A picture appears whole or not at all, and the same data give the same bytes.
 
 mod axes;
+mod bars;
 mod beside;
 mod canvas;
 mod chart;
@@ -23,6 +24,7 @@ mod palette;
 mod structure;
 mod units;
 
+pub use bars::{Bar, BarGroup, Bars};
 pub use chart::{Band, Chart, Lane, LaneInterval, Mark, Marker, Panel, Raster, Series, Style};
 pub use class::Class;
 pub use file::check_name;

@@ -40,6 +40,8 @@ pub enum StabilityCommand {
     Locus(Locus),
     /// Mode shapes of one contact state (Fig. 2c)
     Modes(Modes),
+    /// Derivatives of growth rates, frequencies and critical friction coefficients by every parameter
+    Sensitivity(Sensitivity),
     /// Ranges of the friction coefficient that can be bi-stable
     Bistable(Bistable),
     /// Stability map over two parameters: stable, candidate for bi-stability, unstable
@@ -82,7 +84,7 @@ pub struct Point {
     /// Contact state: Sl (slip velocity v − ẋ above 0), R-Sl (below 0), St (sticks) or Dt (detached), one for all
     /// contacts, or one for each, such as Sl-St; by names of contacts and sets of contacts with * for all others, such as
     /// pad=St,*=Sl; or `equilibrium` [default: all contact states of up to 8 contacts for `states`, uniform sliding for
-    /// `modes`]
+    /// `modes` and `sensitivity`]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
 }
@@ -147,6 +149,30 @@ pub struct Modes {
     #[arg(long, value_name = "DIR", requires = "mesh")]
     pub vtk: Option<PathBuf>,
     /// Draw the mode shapes: all of a ring, where an SVG is animated, or on the meshes up to 12 that oscillate, growing ones first
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Sensitivity {
+    #[command(flatten)]
+    pub common: SceneArguments,
+    #[command(flatten)]
+    pub point: Point,
+    /// Only modes whose frequency lies between A and B, Hz [default: all]
+    #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
+    pub frequencies: Option<[f64; 2]>,
+    /// Find the friction coefficients from A to B at which modes begin or cease to grow, and their derivatives too
+    #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
+    pub critical: Option<[f64; 2]>,
+    /// Number of parameters that the table and the picture show of each mode, the most effective first
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub first: usize,
+    /// Format of the output; JSON and CSV have all parameters
+    #[arg(long, value_enum, default_value = "table")]
+    pub format: Format,
+    /// Draw the changes of the growth rates of up to 6 modes, the fastest growing first, and of the critical friction
+    /// coefficients, as bars
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
 }

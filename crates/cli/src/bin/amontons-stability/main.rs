@@ -9,6 +9,7 @@ mod map;
 mod matrices;
 mod mesh;
 mod modes;
+mod sensitivity;
 mod states;
 
 use amontons::Error;
@@ -99,6 +100,7 @@ fn run(command: StabilityCommand, out: &mut dyn Write) -> Result<(), Failure> {
         StabilityCommand::States(arguments) => states::run(&arguments, out),
         StabilityCommand::Locus(arguments) => locus::run(&arguments, out),
         StabilityCommand::Modes(arguments) => modes::run(&arguments, out),
+        StabilityCommand::Sensitivity(arguments) => sensitivity::run(&arguments, out),
         StabilityCommand::Bistable(arguments) => bistable::run(&arguments, out),
         StabilityCommand::Map(arguments) => map::run(&arguments, out),
         StabilityCommand::Matrices(arguments) => matrices::run(&arguments, out),
