@@ -9,6 +9,9 @@ mod modes_on_meshes;
 mod parallel;
 #[path = "../../../../tests/support/program.rs"]
 mod program;
+#[path = "../../../../tests/support/python/mod.rs"]
+mod python;
+mod sensitivity;
 mod shards;
 mod stability_command_line;
 mod structures;

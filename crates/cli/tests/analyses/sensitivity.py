@@ -342,6 +342,11 @@ def step_of(name):
     return STEP * (abs(VALUES[name]) if VALUES[name] != 0 else 1)
 
 
+def floor_of(name, largest):
+    """Below this, a derivative is rounding of zero; a parameter that is 0 has no scale of its own."""
+    return FLOOR * largest / abs(VALUES[name]) if VALUES[name] != 0 else mpf(10) ** -9 * largest
+
+
 def compare(what, found, exact, floor, bound=BOUND):
     global checked
     checked += 1
@@ -371,7 +376,7 @@ def check_mode(mode):
         bound = max(bound, mpf(4e-15) * VALUES["friction.coefficient"] / mpf(mode["merging"]["distance"]))
     for name in names_of(derivatives):
         h = step_of(name)
-        floor = FLOOR * largest / (abs(VALUES[name]) or 1)
+        floor = floor_of(name, largest)
         for growth, frequency in zip(*parts(derivatives[name])):
             found = mpc(growth, 2 * mp.pi * mpf(frequency))
             ends = []
@@ -467,7 +472,7 @@ def check_merging(mode):
         ends = [merging(changed(name, sign * h), (value, friction))[1] for sign in (1, -1)]
         exact = (ends[0] - ends[1]).real / (2 * h)
         largest = max(abs(mpf(by) * VALUES[it]) for it, by in merged["derivatives"].items() if it in VALUES)
-        compare(f"merging by {name}", mpf(merged["derivatives"][name]), exact, FLOOR * largest / (abs(VALUES[name]) or 1))
+        compare(f"merging by {name}", mpf(merged["derivatives"][name]), exact, floor_of(name, largest))
 
 
 def critical(values, start):
@@ -501,7 +506,7 @@ def check_critical(one):
         h = step_of(name)
         ends = [place(changed(name, sign * h), (value, friction))[1] for sign in (1, -1)]
         exact = (ends[0] - ends[1]) / (2 * h)
-        compare(f"critical µ by {name}", mpf(derivatives[name][0]), exact, FLOOR * largest / (abs(VALUES[name]) or 1))
+        compare(f"critical µ by {name}", mpf(derivatives[name][0]), exact, floor_of(name, largest))
 
 
 for mode in FOUND["modes"]:

@@ -362,3 +362,6 @@ fn unit(variable: &Variable) -> &'static str {
         _ => "",
     }
 }
+
+#[cfg(test)]
+mod tests;

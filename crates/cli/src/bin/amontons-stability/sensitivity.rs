@@ -18,6 +18,7 @@ use amontons_cli::progress::Progress;
 use amontons_pictures::picture::{self, Bar, BarGroup, Bars};
 use serde_json::{Map, Value, json};
 use std::cmp::Ordering;
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::io::{self, Write};
 
@@ -205,12 +206,16 @@ impl SensitivityReport<'_> {
             }
         }
         for critical in self.critical.iter().flatten() {
-            let turn = if critical.becomes_unstable { "begins" } else { "ceases" };
+            let turn = if critical.becomes_unstable { "begin" } else { "cease" };
             writeln!(
                 out,
-                "\nµ = {}: {} {turn} to grow {}{}",
+                "\nµ = {}: {} to grow {}{}",
                 significant(critical.value, LOCATED),
-                if critical.copies > 1 { "several modes at once:" } else { "a mode" },
+                if critical.copies > 1 {
+                    format!("{} modes {turn}", critical.copies)
+                } else {
+                    format!("a mode {turn}s")
+                },
                 at_frequency(critical.frequency_hz),
                 if critical.is_merging { ", where it merges with another one" } else { "" },
             )?;
@@ -221,7 +226,11 @@ impl SensitivityReport<'_> {
             writeln!(out, "\nno mode begins or ceases to grow in the range of --critical")?;
         }
         if !self.found.without_effect.is_empty() {
-            writeln!(out, "\nwithout effect: {}", self.found.without_effect.join(", "))?;
+            let mut names: Vec<String> =
+                self.found.without_effect.iter().map(|name| any_place(name)).collect();
+            let mut seen = HashSet::new();
+            names.retain(|name| seen.insert(name.clone()));
+            writeln!(out, "\nwithout effect: {}", names.join(", "))?;
         }
         Ok(())
     }
@@ -409,6 +418,14 @@ impl SensitivityReport<'_> {
 fn place(merging: &Merging) -> String {
     let (at, distance) = (significant(merging.friction, 9), significant(merging.distance, 3));
     format!("near µ = {at}, at a distance of {distance}")
+}
+
+/// The name of a value of all modules: `module[*].f1`.
+fn any_place(name: &str) -> String {
+    match (name.split_once('['), name.split_once(']')) {
+        (Some((kind, _)), Some((_, key))) => format!("{kind}[*]{key}"),
+        _ => name.to_owned(),
+    }
 }
 
 /// A parameter's value with its unit.
