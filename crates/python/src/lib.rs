@@ -45,8 +45,8 @@ mod _core {
     use crate::simulation::Simulation;
     #[pymodule_export]
     use crate::stability::{
-        candidates, check_undriven, eigenvalues, equilibrium, left_out, locus, modes, states,
-        verdict,
+        candidates, check_undriven, eigenvalues, equilibrium, left_out, locus, modes,
+        sensitivities, states, verdict,
     };
     #[pymodule_export]
     use crate::study::Study;

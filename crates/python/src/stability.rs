@@ -184,6 +184,55 @@ pub fn locus<'py>(
     Ok(result)
 }
 
+/// Derivatives of the eigenvalues of a contact state by all parameters: one row for each mode, also for those that come
+/// several times.
+#[pyfunction]
+#[pyo3(signature = (scene, state=None, friction=None, at=0.0, progress=None))]
+#[allow(clippy::needless_pass_by_value)]
+pub fn sensitivities<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    state: Option<&str>,
+    friction: Option<f64>,
+    at: f64,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let found = watched(py, progress.as_ref(), |watch| {
+        let here = linearised(scene, friction, at)?;
+        let states = states_of(state, scene, &here)?;
+        #[allow(clippy::cast_precision_loss)]
+        let done = |done: usize, of: usize| (watch.progress)(done as f64 / of as f64);
+        amontons_analysis::stability::sensitivities(&here, &states, loci::ALL_FREQUENCIES, &done)
+    })?
+    .map_err(raised)?;
+    let nowhere = Complex::new(f64::NAN, f64::NAN);
+    let (mut eigenvalues, mut derivatives) = (Vec::new(), Vec::new());
+    let (mut places, mut distances) = (Vec::new(), Vec::new());
+    for mode in &found.modes {
+        for copy in 0..mode.copies {
+            eigenvalues.push(mode.eigenvalue);
+            let merging = mode.merging.as_ref();
+            places.push(merging.map_or(f64::NAN, |merging| merging.friction));
+            distances.push(merging.map_or(f64::NAN, |merging| merging.distance));
+            match &mode.derivatives {
+                Some(all) => derivatives.extend(all.iter().map(|by| by[copy])),
+                None => derivatives.extend(found.parameters.iter().map(|_| nowhere)),
+            }
+        }
+    }
+    let shape = [eigenvalues.len(), found.parameters.len()];
+    let result = PyDict::new(py);
+    result.set_item("eigenvalue", complexes(py, &eigenvalues)?)?;
+    let derivatives = complexes(py, &derivatives)?.call_method1("reshape", (shape,))?;
+    result.set_item("derivative", derivatives)?;
+    result.set_item("merging_friction", reals(py, places.into_iter())?)?;
+    result.set_item("merging_distance", reals(py, distances.into_iter())?)?;
+    let names = found.parameters.iter().map(|parameter| parameter.name.clone());
+    result.set_item("parameter", names.collect::<Vec<_>>())?;
+    result.set_item("value", reals(py, found.parameters.iter().map(|it| it.value))?)?;
+    Ok(result)
+}
+
 /// Ranges of µ in which uniform sliding is stable, and those in which modes of other states grow meanwhile.
 #[pyfunction]
 #[pyo3(signature = (scene, range, at=0.0, progress=None))]

@@ -93,6 +93,20 @@ def test_the_coefficient_at_which_set1_begins_to_squeal_is_that_of_its_matrices(
         assert np.abs(np.sort(locus["growth_rate"].values[:, place]) - expected).max() < 1e-9
 
 
+def test_derivatives_by_friction_are_those_of_the_matrices(set1):
+    found = set1.sensitivities(friction=1.5)
+    place = list(found["parameter"].values).index("friction.coefficient")
+    derivatives = found["growth_rate_derivative"].values + 2j * np.pi * found["frequency_derivative"].values
+    h = 1e-3
+    ends = {by: of_set1(1.5 + by) for by in (h, -h, h / 2, -h / 2)}
+    for mode, derivative in enumerate(derivatives[:, place]):
+        now = found["growth_rate"].values[mode] + 2j * np.pi * found["frequency"].values[mode]
+        at = lambda by: min(ends[by], key=lambda value: abs(value - now))
+        central = [(at(step) - at(-step)) / (2 * step) for step in (h, h / 2)]
+        expected = (4 * central[1] - central[0]) / 3
+        assert abs(derivative - expected) < 1e-6 * abs(expected)
+
+
 def test_the_modes_of_hoffmanns_model_merge_where_the_discriminant_vanishes():
     cos2, sin2 = 0.75, 0.25
     xx, yy = 31.0 * cos2, 31.0 * sin2 + 20.0

@@ -67,6 +67,12 @@ impl Linearised {
         &self.model
     }
 
+    /// The scene of the model, which names its parameters; `None` for a model alone.
+    #[must_use]
+    pub fn scene(&self) -> Option<&Scene> {
+        self.scene.as_ref()
+    }
+
     /// The linearised model: what eigenvalues are taken of.
     ///
     /// # Errors

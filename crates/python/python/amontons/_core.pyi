@@ -91,6 +91,13 @@ def locus(
     at: float = 0.0,
     progress: _Progress = None,
 ) -> dict[str, Any]: ...
+def sensitivities(
+    scene: Scene,
+    state: str | None = None,
+    friction: float | None = None,
+    at: float = 0.0,
+    progress: _Progress = None,
+) -> dict[str, Any]: ...
 def candidates(
     scene: Scene, range: tuple[float, float], at: float = 0.0, progress: _Progress = None
 ) -> dict[str, Any]: ...

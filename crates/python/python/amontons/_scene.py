@@ -16,6 +16,7 @@ from ._progress import reporting
 from ._tables import columns, give_units, names_of, table
 
 if TYPE_CHECKING:
+    from ._tables import Column
     import numpy as np
     import xarray
     from numpy.typing import ArrayLike, NDArray
@@ -486,6 +487,64 @@ class Scene:
             "mode": (("mode",), np.arange(1, len(eigenvalues) + 1), {}),
             parameter: ((parameter,), values, {"units": unit}),
             "undecided": (("undecided",), np.array(found["undecided"], dtype=float), {}),
+        }
+        attributes = self._attributes(state=state or "uniform sliding", at=instant)
+        return table(variables, coordinates, attributes)
+
+    def sensitivities(
+        self,
+        state: str | None = None,
+        friction: float | None = None,
+        at: float | None = None,
+        progress: Callable[[float], object] | bool | None = None,
+    ) -> Table:
+        """Derivatives of growth rates and frequencies by all parameters, exact but for rounding.
+
+        Parameters
+        ----------
+        state, friction, at
+            As in `eigenvalues`.
+        progress : callable or bool, optional
+            As in `simulate`.
+
+        Returns
+        -------
+        xarray.Dataset or dict
+            Over ``mode`` (from 1, those that oscillate by frequency, then the others): ``growth_rate`` (1/s) and
+            ``frequency`` (Hz), and ``merging_friction`` and ``merging_distance``, the friction coefficient at which the mode
+            merges with another one and the distance to it, NaN where there is none within a hundredth.
+            Over ``mode`` and ``parameter``: ``growth_rate_derivative`` and ``frequency_derivative``, per unit of the
+            parameter; NaN where a mode has merged with another one. Modes with one eigenvalue have the derivatives of that
+            eigenvalue, the largest growth rate first.
+            Over ``parameter``: ``value``. Parameters without an effect are left out.
+
+        Examples
+        --------
+        >>> found = amontons.Scene.builtin("hoffmann").sensitivities()
+        >>> [str(name) for name in found["parameter"]][:2]
+        ['friction.coefficient', 'slider.angle']
+        >>> [round(float(by), 2) for by in found["growth_rate_derivative"][:, 0]]
+        [2.06, -2.06]
+        """
+        import numpy as np
+
+        instant = self._instant(at)
+        with reporting(progress, "the derivatives") as report:
+            found = _core.sensitivities(self._core, state, friction, instant, report)
+        eigenvalues, derivatives = found["eigenvalue"], found["derivative"]
+        both, modes = ("mode", "parameter"), ("mode",)
+        variables: dict[str, Column] = {
+            "growth_rate": (modes, eigenvalues.real, {"units": "1/s"}),
+            "frequency": (modes, eigenvalues.imag / (2 * np.pi), {"units": "Hz"}),
+            "growth_rate_derivative": (both, derivatives.real, {}),
+            "frequency_derivative": (both, derivatives.imag / (2 * np.pi), {}),
+            "merging_friction": (modes, found["merging_friction"], {"units": "1"}),
+            "merging_distance": (modes, found["merging_distance"], {"units": "1"}),
+            "value": (("parameter",), found["value"], {}),
+        }
+        coordinates: dict[str, Column] = {
+            "mode": (modes, np.arange(1, len(eigenvalues) + 1), {}),
+            "parameter": (("parameter",), np.array(found["parameter"], dtype=np.str_), {}),
         }
         attributes = self._attributes(state=state or "uniform sliding", at=instant)
         return table(variables, coordinates, attributes)

@@ -77,7 +77,7 @@ fn of_crossing(
     crossing: Crossing,
 ) -> Result<CriticalFriction, Error> {
     let here = Linearised::of(scene);
-    let state = StateDerivatives::of(scene, &here, states)?;
+    let state = StateDerivatives::of(&here, states)?;
     let all = multiple(modes(here.linear()?, states)?.all().map(|mode| mode.eigenvalue));
     let wanted = nalgebra::Complex::new(0.0, TAU * crossing.frequency_hz);
     let distance = |it: &Multiple| (it.eigenvalue - wanted).norm();

@@ -25,7 +25,6 @@ use super::{Linearised, modes};
 use crate::assign::FRICTION;
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::scene::Scene;
 use amontons::simulation::catalogue::Kind;
 use amontons::simulation::{Parameters, Variable};
 use bordered::{Bordered, BorderedChange, Problem, Vector};
@@ -117,7 +116,7 @@ impl ModeSensitivity {
 ///
 /// let scene = amontons::scene::builtin("set1").expect("a built-in scene").scene();
 /// let here = Linearised::of(&scene);
-/// let found = sensitivities(&scene, &here, &here.uniform_sliding()?, [0.0, 1e4], &|_, _| {})?;
+/// let found = sensitivities(&here, &here.uniform_sliding()?, [0.0, 1e4], &|_, _| {})?;
 /// let beta = found.parameters.iter().position(|it| it.name == "damping.beta").expect("a parameter");
 /// // The mode that grows fastest decays with more damping.
 /// let fastest = found.modes.iter().max_by(|a, b| a.growth_rate().total_cmp(&b.growth_rate()));
@@ -127,16 +126,15 @@ impl ModeSensitivity {
 /// ```
 ///
 /// # Errors
-/// Returns an error if the state cannot be analysed, if contacts hold one motion twice, or if the equilibrium has no
+/// Returns an error if the model is not that of a scene, if the state cannot be analysed, if contacts hold one motion twice, or if the equilibrium has no
 /// derivative.
 pub fn sensitivities(
-    scene: &Scene,
     here: &Linearised,
     states: &[ContactState],
     frequencies: [f64; 2],
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Sensitivities, Error> {
-    let state = StateDerivatives::of(scene, here, states)?;
+    let state = StateDerivatives::of(here, states)?;
     let all = multiple(modes(here.linear()?, states)?.all().map(|mode| mode.eigenvalue));
     let [low, high] = frequencies;
     let chosen: Vec<&Multiple> =
@@ -200,7 +198,12 @@ struct StateDerivatives {
 }
 
 impl StateDerivatives {
-    fn of(scene: &Scene, here: &Linearised, states: &[ContactState]) -> Result<Self, Error> {
+    fn of(here: &Linearised, states: &[ContactState]) -> Result<Self, Error> {
+        let scene = here.scene().ok_or_else(|| {
+            Error::analysis(
+                "derivatives are those by the parameters of a scene, and the model has none",
+            )
+        })?;
         let problem = Problem::of(here, states)?;
         let (mut parameters, mut changes) = (Vec::new(), Vec::new());
         let mut without_effect = Vec::new();

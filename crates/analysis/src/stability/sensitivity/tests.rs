@@ -2,7 +2,7 @@ use super::*;
 use crate::assign::{assign, value_of};
 use amontons::contact::ContactState::{ReverseSlide, Slide, Stick};
 use amontons::scene::{
-    Freedom, NodeAt, Point, Structure, Superelement, SuperelementMatrices, builtin, parse,
+    Freedom, NodeAt, Point, Scene, Structure, Superelement, SuperelementMatrices, builtin, parse,
 };
 use amontons::stability::Spectrum;
 
@@ -60,7 +60,7 @@ fn eigenvalues_of(scene: &Scene, states: &[ContactState]) -> Vec<Complex<f64>> {
 /// Compares all derivatives with differences of the fourth order.
 fn compare(scene: &Scene, states: &[ContactState]) {
     let here = Linearised::of(scene);
-    let found = sensitivities(scene, &here, states, ALL, &|_, _| {}).unwrap();
+    let found = sensitivities(&here, states, ALL, &|_, _| {}).unwrap();
     assert!(!found.modes.is_empty() && found.parameters.len() > 5);
     let relative = |mode: &ModeSensitivity, i: usize| {
         mode.derivatives.as_ref().unwrap()[i][0].norm() * found.parameters[i].value.abs()
@@ -97,7 +97,7 @@ fn derivatives_of_falling_friction_follow_the_forces_of_the_equilibrium() {
         compare(&scene, &states);
     }
     let here = Linearised::of(&scene);
-    let found = sensitivities(&scene, &here, &[Slide, Slide], ALL, &|_, _| {}).unwrap();
+    let found = sensitivities(&here, &[Slide, Slide], ALL, &|_, _| {}).unwrap();
     for name in ["spring.ab.preload", "slider.velocity", "friction.stribeck_velocity", "mass.a.fy"]
     {
         assert!(found.parameters.iter().any(|it| it.name == name), "{name} has an effect");
@@ -113,7 +113,7 @@ fn derivatives_include_friction_across_the_sliding_in_space() {
 fn a_chain_of_equal_modules_has_two_derivatives_of_a_double_eigenvalue() {
     let scene = builtin("ring12").unwrap().scene();
     let here = Linearised::of(&scene);
-    let found = sensitivities(&scene, &here, &[Slide; 12], [190.0, 200.0], &|_, _| {}).unwrap();
+    let found = sensitivities(&here, &[Slide; 12], [190.0, 200.0], &|_, _| {}).unwrap();
     let place = |name: &str| found.parameters.iter().position(|it| it.name == name).unwrap();
     let [first, second, beta] = ["module[1].k5", "module[4].k5", "damping.beta"].map(place);
     for mode in &found.modes {
@@ -142,7 +142,7 @@ fn at_a_merging_there_is_no_derivative_but_that_of_its_place() {
         let here = Linearised::of(&scene);
         let hz = critical.frequency_hz;
         let range = [hz - 1.5, hz + 1.5];
-        let found = sensitivities(&scene, &here, &[Slide; 2], range, &|_, _| {}).unwrap();
+        let found = sensitivities(&here, &[Slide; 2], range, &|_, _| {}).unwrap();
         for mode in &found.modes {
             let merging = mode.merging.as_ref().unwrap();
             assert!((merging.friction - critical.value).abs() < 1e-11, "{off}: {merging:?}");
@@ -171,6 +171,6 @@ fn contacts_that_hold_one_motion_twice_have_no_derivatives() {
         .replace("contact = [", second);
     let scene = parse("twice", &text).unwrap();
     let here = Linearised::of(&scene);
-    let error = sensitivities(&scene, &here, &[Slide; 3], ALL, &|_, _| {}).unwrap_err();
+    let error = sensitivities(&here, &[Slide; 3], ALL, &|_, _| {}).unwrap_err();
     assert!(error.to_string().contains("hold one motion"), "{error}");
 }

@@ -52,9 +52,8 @@ pub fn run(arguments: &Sensitivity, out: &mut dyn Write) -> Result<(), Failure> 
     let states = state(arguments.point.state.as_deref(), scene, &here)?;
     let frequencies = arguments.frequencies.unwrap_or(ALL_FREQUENCIES);
     let bar = Progress::in_parts("the derivatives");
-    let found = sensitivities(scene, &here, &states, frequencies, &|done, all| {
-        bar.set_part(part(done, all))
-    });
+    let found =
+        sensitivities(&here, &states, frequencies, &|done, all| bar.set_part(part(done, all)));
     bar.finish();
     let found = found?;
     if found.modes.is_empty() {
