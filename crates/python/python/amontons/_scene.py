@@ -521,10 +521,10 @@ class Scene:
         Examples
         --------
         >>> found = amontons.Scene.builtin("hoffmann").sensitivities()
-        >>> [str(name) for name in found["parameter"]][:2]
+        >>> found["parameter"].values[:2].tolist()
         ['friction.coefficient', 'slider.angle']
-        >>> [round(float(by), 2) for by in found["growth_rate_derivative"][:, 0]]
-        [2.06, -2.06]
+        >>> round(float(found["growth_rate_derivative"].sel(parameter="friction.coefficient").max()), 2)
+        2.06
         """
         import numpy as np
 
