@@ -471,8 +471,8 @@ def check_merging(mode):
         h = mpf(10) ** -12 * (abs(VALUES[name]) or 1)
         ends = [merging(changed(name, sign * h), (value, friction))[1] for sign in (1, -1)]
         exact = (ends[0] - ends[1]).real / (2 * h)
-        largest = max(abs(mpf(by) * VALUES[it]) for it, by in merged["derivatives"].items() if it in VALUES)
-        compare(f"merging by {name}", mpf(merged["derivatives"][name]), exact, floor_of(name, largest))
+        largest = max(abs(mpf(by[0]) * VALUES[it]) for it, by in merged["derivatives"].items() if it in VALUES)
+        compare(f"merging by {name}", mpf(merged["derivatives"][name][0]), exact, floor_of(name, largest))
 
 
 def critical(values, start):

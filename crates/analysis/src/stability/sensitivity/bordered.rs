@@ -10,7 +10,7 @@ use crate::stability::Linearised;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::model::{Contact, Direction, Entry, LumpedModel, SlidingFriction};
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix};
 
 /// The three matrices of (λ² mass + λ damping + stiffness) z = 0 for z = (x, p).
 #[derive(Clone, Debug)]
@@ -71,8 +71,8 @@ impl<'a> Problem<'a> {
         let free = linear.reduced(states).map_or(0, |reduced| reduced.stiffness.nrows());
         if free + held != model.dofs() {
             return Err(Error::analysis(
-                "several contacts hold one motion in this contact state, so their forces, and the derivatives by their \
-                 friction, are not determined; leave all but one of such contacts out",
+                "several contacts hold one motion in this contact state, so their forces are not determined one by one; \
+                 derivatives are computed for states whose contacts hold different motions: name another state with --state",
             ));
         }
         let stiffest =
@@ -161,6 +161,18 @@ impl<'a> Problem<'a> {
         damping.retain(none);
         stiffness.retain(none);
         Ok(BorderedChange { mass, damping, stiffness })
+    }
+
+    /// `true` if a parameter is the velocity of a surface that stands still under a sliding contact whose friction depends on
+    /// it: friction turns round there.
+    pub(super) fn turns_round(&self, by: &ModelChange) -> bool {
+        let model = self.model();
+        let depends = model.needs_equilibrium() || model.law.has_fixed_direction();
+        depends
+            && self.closed.iter().any(|one| {
+                let velocity = model.contacts[one.contact].surface_velocity;
+                by.contacts[one.contact].velocity != 0.0 && velocity == 0.0
+            })
     }
 
     /// Adds a row of G.
@@ -265,12 +277,12 @@ fn outer(entries: &mut Vec<Entry>, factor: f64, a: &Direction, b: &Direction) {
     }
 }
 
-/// A complex vector.
-pub(super) type Vector = DVector<Complex<f64>>;
+/// Complex vectors as columns.
+pub(super) type Matrix = DMatrix<Complex<f64>>;
 
 impl Bordered {
     /// λ² mass + λ damping + stiffness.
-    pub(super) fn at(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
+    pub(super) fn at(&self, lambda: Complex<f64>) -> Matrix {
         let size = self.mass.nrows();
         DMatrix::from_fn(size, size, |row, column| {
             let place = (row, column);
@@ -278,29 +290,26 @@ impl Bordered {
         })
     }
 
-    /// Its derivative by λ times a vector: (2 λ mass + damping) z.
-    pub(super) fn slope_times(&self, lambda: Complex<f64>, vector: &Vector) -> Vector {
-        let twice = lambda * 2.0;
-        let row = |row: usize| {
-            (0..vector.len())
-                .map(|column| {
-                    vector[column]
-                        * (twice * self.mass[(row, column)] + self.damping[(row, column)])
-                })
-                .sum::<Complex<f64>>()
-        };
-        Vector::from_iterator(vector.len(), (0..vector.len()).map(row))
+    /// Its derivative by λ times vectors: (2 λ mass + damping) Z.
+    pub(super) fn slope_times(&self, lambda: Complex<f64>, vectors: &Matrix) -> Matrix {
+        times(&self.mass, vectors) * (lambda * 2.0) + times(&self.damping, vectors)
     }
 
-    /// Its second derivative by λ times a vector: 2 mass z.
-    pub(super) fn curvature_times(&self, vector: &Vector) -> Vector {
-        let row = |row: usize| {
-            (0..vector.len())
-                .map(|column| vector[column] * (2.0 * self.mass[(row, column)]))
-                .sum::<Complex<f64>>()
-        };
-        Vector::from_iterator(vector.len(), (0..vector.len()).map(row))
+    /// Its second derivative by λ times vectors: 2 mass Z.
+    pub(super) fn curvature_times(&self, vectors: &Matrix) -> Matrix {
+        times(&self.mass, vectors) * Complex::from(2.0)
     }
+
+    /// `true` if the state has no damping.
+    pub(super) fn is_undamped(&self) -> bool {
+        self.damping.iter().all(|entry| *entry == 0.0)
+    }
+}
+
+/// A real matrix times complex vectors.
+fn times(matrix: &DMatrix<f64>, vectors: &Matrix) -> Matrix {
+    let [real, imaginary] = [vectors.map(|entry| entry.re), vectors.map(|entry| entry.im)];
+    (matrix * real).zip_map(&(matrix * imaginary), Complex::new)
 }
 
 impl BorderedChange {
@@ -309,71 +318,46 @@ impl BorderedChange {
         self.mass.is_empty() && self.damping.is_empty() && self.stiffness.is_empty()
     }
 
-    /// yᵀ (λ² mass + λ damping + stiffness) z.
-    pub(super) fn form(&self, y: &Vector, lambda: Complex<f64>, z: &Vector) -> Complex<f64> {
-        lambda * (lambda * sum(&self.mass, y, z) + sum(&self.damping, y, z))
-            + sum(&self.stiffness, y, z)
+    /// The three lists of entries with the factors λ², λ and 1, or their derivatives by λ.
+    fn parts(
+        &self,
+        factors: [Complex<f64>; 3],
+    ) -> impl Iterator<Item = (usize, usize, Complex<f64>)> {
+        let lists = [&self.mass, &self.damping, &self.stiffness].into_iter().zip(factors);
+        lists.flat_map(|(entries, factor)| {
+            entries.iter().map(move |&(i, j, value)| (i, j, factor * value))
+        })
     }
 
-    /// Its derivative by λ: yᵀ (2 λ mass + damping) z.
-    pub(super) fn slope_form(&self, y: &Vector, lambda: Complex<f64>, z: &Vector) -> Complex<f64> {
-        lambda * 2.0 * sum(&self.mass, y, z) + sum(&self.damping, y, z)
-    }
-
-    /// (λ² mass + λ damping + stiffness) z.
-    pub(super) fn times(&self, lambda: Complex<f64>, z: &Vector) -> Vector {
-        let mut product = Vector::zeros(z.len());
-        for (entries, factor) in [
-            (&self.mass, lambda * lambda),
-            (&self.damping, lambda),
-            (&self.stiffness, Complex::ONE),
-        ] {
-            entries.iter().for_each(|&(i, j, value)| product[i] += factor * value * z[j]);
+    fn product(&self, factors: [Complex<f64>; 3], vectors: &Matrix) -> Matrix {
+        let mut product = Matrix::zeros(vectors.nrows(), vectors.ncols());
+        for (row, column, value) in self.parts(factors) {
+            for vector in 0..vectors.ncols() {
+                product[(row, vector)] += value * vectors[(column, vector)];
+            }
         }
         product
     }
 
-    /// Adds `factor` times the derivative of [`times`](Self::times) by λ: (2 λ mass + damping) z.
-    pub(super) fn add_slope_times(
-        &self,
-        lambda: Complex<f64>,
-        factor: Complex<f64>,
-        z: &Vector,
-        product: &mut Vector,
-    ) {
-        for (entries, power) in [(&self.mass, lambda * 2.0), (&self.damping, Complex::ONE)] {
-            entries.iter().for_each(|&(i, j, value)| product[i] += factor * power * value * z[j]);
+    /// (λ² mass + λ damping + stiffness) Z.
+    pub(super) fn times(&self, lambda: Complex<f64>, vectors: &Matrix) -> Matrix {
+        self.product([lambda * lambda, lambda, Complex::ONE], vectors)
+    }
+
+    /// Its derivative by λ: (2 λ mass + damping) Z.
+    pub(super) fn slope_times(&self, lambda: Complex<f64>, vectors: &Matrix) -> Matrix {
+        self.product([lambda * 2.0, Complex::ONE, Complex::ZERO], vectors)
+    }
+
+    /// Its second derivative by λ: 2 mass Z.
+    pub(super) fn curvature_times(&self, vectors: &Matrix) -> Matrix {
+        self.product([Complex::from(2.0), Complex::ZERO, Complex::ZERO], vectors)
+    }
+
+    /// Adds `factor` times the change to a matrix.
+    pub(super) fn add_to(&self, matrix: &mut Matrix, lambda: Complex<f64>, factor: Complex<f64>) {
+        for (row, column, value) in self.parts([lambda * lambda, lambda, Complex::ONE]) {
+            matrix[(row, column)] += factor * value;
         }
     }
-
-    /// Adds `factor` times the second derivative of [`times`](Self::times) by λ: 2 mass z.
-    pub(super) fn add_curvature_times(
-        &self,
-        factor: Complex<f64>,
-        z: &Vector,
-        product: &mut Vector,
-    ) {
-        self.mass.iter().for_each(|&(i, j, value)| product[i] += factor * (2.0 * value) * z[j]);
-    }
-
-    /// Adds `factor` times the change to matrices.
-    pub(super) fn add_to(
-        &self,
-        matrix: &mut DMatrix<Complex<f64>>,
-        lambda: Complex<f64>,
-        factor: Complex<f64>,
-    ) {
-        for (entries, power) in [
-            (&self.mass, lambda * lambda),
-            (&self.damping, lambda),
-            (&self.stiffness, Complex::ONE),
-        ] {
-            entries.iter().for_each(|&(i, j, value)| matrix[(i, j)] += factor * power * value);
-        }
-    }
-}
-
-/// yᵀ A z.
-fn sum(entries: &[Entry], y: &Vector, z: &Vector) -> Complex<f64> {
-    entries.iter().map(|&(row, column, value)| y[row] * z[column] * value).sum()
 }

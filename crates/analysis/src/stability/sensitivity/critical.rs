@@ -1,6 +1,6 @@
 //! Derivatives of the friction coefficients at which modes begin or cease to grow.
 
-use super::{Multiple, Shaped, StateDerivatives, multiple};
+use super::{Parameter, StateDerivatives, neighbours};
 use crate::assign::{FRICTION, assign};
 use crate::stability::locus::{Crossing, locus};
 use crate::stability::parallel::collect;
@@ -8,12 +8,13 @@ use crate::stability::{Linearised, modes};
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
+use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 /// Number of intervals at whose ends modes are looked at to find those that begin to grow.
 const INTERVALS: u32 = 200;
-/// A mode that begins to grow within this part of µ of a merging does so because of it.
-const AT_MERGING: f64 = 1e-8;
+/// Without damping a mode begins to grow where it merges with another one; both places are the same to this part of µ.
+const AT_MERGING: f64 = 1e-6;
 
 /// A common friction coefficient µ at which a mode begins or ceases to grow.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +29,8 @@ pub struct CriticalFriction {
     pub is_merging: bool,
     /// Number of modes that do so at once.
     pub copies: usize,
-    /// ∂µ/∂p of this µ, per unit of the parameter: as many values as copies, the largest first.
-    pub derivatives: Vec<(String, Vec<f64>)>,
+    /// The parameters with ∂µ/∂p of this µ, per unit of the parameter: as many values as copies, the largest first.
+    pub derivatives: Vec<(Parameter, Vec<f64>)>,
 }
 
 /// The common friction coefficients between two values at which modes with frequencies between two bounds (Hz) of a contact
@@ -78,40 +79,48 @@ fn of_crossing(
 ) -> Result<CriticalFriction, Error> {
     let here = Linearised::of(scene);
     let state = StateDerivatives::of(&here, states)?;
-    let all = multiple(modes(here.linear()?, states)?.all().map(|mode| mode.eigenvalue));
-    let wanted = nalgebra::Complex::new(0.0, TAU * crossing.frequency_hz);
-    let distance = |it: &Multiple| (it.eigenvalue - wanted).norm();
-    let nearest = all.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    let nearest = *nearest.ok_or_else(|| Error::analysis("the contact state has no mode"))?;
-    let shaped: Vec<Shaped> =
-        all.iter().map(|one| state.shapes(*one)).collect::<Result<_, Error>>()?;
-    let one = shaped.iter().find(|it| it.eigenvalue == nearest.eigenvalue).expect("it is of them");
-    let names = state.parameters.iter().map(|parameter| &parameter.name);
-    let others = names.zip(&state.changes).filter(|(name, _)| *name != FRICTION);
-    let point = state.double_point(one, &shaped, AT_MERGING);
-    let derivatives = match &point {
-        Some(point) => {
-            let friction = &state.changes[state.friction.expect("a merging is one over µ")];
-            others.map(|(name, by)| (name.clone(), vec![point.moves(by, friction).re])).collect()
-        }
+    let all: Vec<Complex<f64>> =
+        modes(here.linear()?, states)?.all().map(|mode| mode.eigenvalue).collect();
+    let wanted = Complex::new(0.0, TAU * crossing.frequency_hz);
+    let distance = |it: &Complex<f64>| (it - wanted).norm();
+    let nearest = all.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let nearest = nearest.ok_or_else(|| Error::analysis("the contact state has no mode"))?;
+    let shaped = state.shaped(&neighbours(&all, &[nearest]), &|_, _| {})?;
+    let distance_of = |it: &&super::Shaped| (it.eigenvalue - nearest).norm();
+    let one = shaped.iter().min_by(|a, b| distance_of(a).total_cmp(&distance_of(b)));
+    let one = one.ok_or_else(|| Error::analysis("the shapes of a critical mode were not found"))?;
+    // Damping parts the place at which modes merge from that at which one begins to grow.
+    let may_merge = !one.is_regular() || state.matrices.is_undamped();
+    let point = if may_merge { state.double_point(one, &shaped, &all, AT_MERGING) } else { None };
+    let merging = point.and_then(|point| state.merging(point));
+    let rate = one.by_friction.re;
+    let derivative = |place: usize| match &merging {
+        Some(merging) => merging.derivatives[place].clone(),
         None => {
-            let rate = one.by_friction.re;
-            others
-                .map(|(name, by)| {
-                    let all = one.derivatives(by).unwrap_or_default();
-                    let mut moved: Vec<f64> = all.iter().map(|by| -by.re / rate).collect();
-                    moved.sort_by(|a, b| b.total_cmp(a));
-                    (name.clone(), moved)
-                })
-                .collect()
+            let all = one.derivatives(&state.changes[place]).unwrap_or_default();
+            let mut moved: Vec<f64> = all.iter().map(|by| -by.re / rate).collect();
+            moved.sort_by(|a, b| b.total_cmp(a));
+            moved
         }
     };
+    let places = (0..state.parameters.len()).filter(|place| Some(*place) != state.friction);
+    let derivatives = places.map(|place| (state.parameters[place].clone(), derivative(place)));
+    let derivatives: Vec<(Parameter, Vec<f64>)> = derivatives.collect();
+    if derivatives.iter().flat_map(|it| &it.1).any(|by| !by.is_finite())
+        || derivatives.iter().any(|it| it.1.is_empty())
+    {
+        return Err(Error::analysis(format!(
+            "the critical friction coefficient {} has no derivatives: the growth rate of the mode at {:.4} Hz only touches \
+             zero there, or it merges with others in a way that is not resolved",
+            crossing.value, crossing.frequency_hz
+        )));
+    }
     Ok(CriticalFriction {
         value: crossing.value,
         frequency_hz: crossing.frequency_hz,
         becomes_unstable: crossing.becomes_unstable,
-        is_merging: point.is_some(),
-        copies: one.copies,
+        is_merging: merging.is_some(),
+        copies: derivatives.first().map_or(one.copies, |it| it.1.len()),
         derivatives,
     })
 }

@@ -4,7 +4,8 @@
 //! | --- | --- |
 //! | `change` | the derivative of a scene's model by a parameter |
 //! | `bordered` | the eigenvalue problem with the contact forces as unknowns, and its derivatives |
-//! | `nullspace` | shapes, left and right, of a known eigenvalue |
+//! | `nullspace` | vectors that a nearly singular matrix turns to zero |
+//! | `shapes` | eigenvalues with their shapes, left and right; which of them are equal |
 //! | `merging` | where two eigenvalues merge |
 //! | `critical` | derivatives of critical friction coefficients |
 //!
@@ -17,6 +18,7 @@ mod change;
 mod critical;
 mod merging;
 mod nullspace;
+mod shapes;
 
 pub use critical::{CriticalFriction, critical_friction};
 
@@ -26,21 +28,21 @@ use crate::assign::FRICTION;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::simulation::catalogue::Kind;
-use amontons::simulation::{Parameters, Variable};
-use bordered::{Bordered, BorderedChange, Problem, Vector};
+use amontons::simulation::{Parameters, Variable, write_scene};
+use bordered::{Bordered, BorderedChange, Matrix, Problem};
 use change::ModelChange;
-use merging::{DoublePoint, double_point};
-use nalgebra::{Complex, DMatrix};
-use nullspace::null_space;
+use merging::{DoublePoint, Search};
+use nalgebra::{Complex, Schur};
+use shapes::{Shaped, groups};
 use std::f64::consts::TAU;
 
-/// Eigenvalues that differ by less than this part of themselves are one that comes several times. Rounding splits a
-/// multiple eigenvalue by parts of 1e-13, and one that has merged by parts of 1e-8.
-const SAME: f64 = 1e-10;
 /// A mode whose eigenvalue merges with another one within this part of µ is near a merging.
 const NEAR: f64 = 0.01;
-/// Mergings are sought from estimates within this part of µ.
+/// Mergings are sought from estimates within this part of µ, among eigenvalues that are not further apart than this part of
+/// themselves.
 const SEARCHED: f64 = 0.1;
+/// An imaginary part of a place below this part of µ is rounding: the eigenvalues merge exactly.
+const EXACT: f64 = 1e-9;
 
 /// A parameter on which eigenvalues depend.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +62,8 @@ pub struct Sensitivities {
     pub parameters: Vec<Parameter>,
     /// Names of parameters of the model on which no eigenvalue of this state depends.
     pub without_effect: Vec<String>,
+    /// Names of velocities of surfaces that stand still: friction turns round there, so that there is no derivative.
+    pub without_derivative: Vec<String>,
     /// Modes that oscillate, by frequency, then the others, by growth rate.
     pub modes: Vec<ModeSensitivity>,
 }
@@ -72,24 +76,29 @@ pub struct ModeSensitivity {
     /// Number of modes with this eigenvalue.
     pub copies: usize,
     /// ∂λ/∂p, 1/s per unit of the parameter, of each parameter: as many values as copies, the largest real part first.
-    /// `None` where the eigenvalue has merged with another one and has no derivatives.
+    /// `None` where the eigenvalue has merged with another one, or belongs to a free motion, and has no derivatives.
     pub derivatives: Option<Vec<Vec<Complex<f64>>>>,
+    /// The relative change of the most effective parameter that moves λ by half of the distance to the next eigenvalue, as far as
+    /// derivatives tell. They may cease to hold before that.
+    pub holds_within: f64,
     /// The merging with another eigenvalue, if there is one within a hundredth of µ. The derivatives then hold for much
     /// smaller changes than a hundredth of a parameter.
     pub merging: Option<Merging>,
 }
 
-/// A value of the common friction coefficient µ at which two eigenvalues merge.
+/// A value of the common friction coefficient µ at which an eigenvalue merges with another one, or with its own conjugate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merging {
-    /// This µ; where damping keeps the two from merging, the µ at which they come nearest.
+    /// This µ; where damping keeps the two from merging, the real part of the complex µ at which they are equal.
     pub friction: f64,
-    /// The distance to it, of the size of a change of µ; at least the distance of this µ to that of the scene.
+    /// The distance of the complex µ to that of the scene.
     pub distance: f64,
+    /// `true` if the two merge; `false` if damping keeps them apart, so that they only come near each other.
+    pub is_exact: bool,
     /// The common eigenvalue there, 1/s.
     pub eigenvalue: Complex<f64>,
-    /// ∂µ/∂p of this µ by each parameter; `None` for µ itself.
-    pub derivatives: Vec<Option<f64>>,
+    /// ∂µ/∂p of this µ by each parameter, the largest first: one for each copy; none for µ itself.
+    pub derivatives: Vec<Vec<f64>>,
 }
 
 impl ModeSensitivity {
@@ -126,8 +135,8 @@ impl ModeSensitivity {
 /// ```
 ///
 /// # Errors
-/// Returns an error if the model is not that of a scene, if the state cannot be analysed, if contacts hold one motion twice, or if the equilibrium has no
-/// derivative.
+/// Returns an error if the model is not that of a scene, if the state has no modes or cannot be analysed, if contacts hold one
+/// motion twice, or if the equilibrium has no derivative.
 pub fn sensitivities(
     here: &Linearised,
     states: &[ContactState],
@@ -135,70 +144,51 @@ pub fn sensitivities(
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Sensitivities, Error> {
     let state = StateDerivatives::of(here, states)?;
-    let all = multiple(modes(here.linear()?, states)?.all().map(|mode| mode.eigenvalue));
+    let all: Vec<Complex<f64>> =
+        modes(here.linear()?, states)?.all().map(|mode| mode.eigenvalue).collect();
+    if all.is_empty() {
+        return Err(Error::analysis("contacts hold all motions in this state, so it has no modes"));
+    }
     let [low, high] = frequencies;
-    let chosen: Vec<&Multiple> =
-        all.iter().filter(|it| (low..=high).contains(&(it.eigenvalue.im / TAU))).collect();
-    let shaped =
-        collect(all.len(), &|i| state.shapes(all[i]), &|count| done(count, 2 * all.len()))?;
-    let is_chosen = |one: &&Shaped| chosen.iter().any(|it| it.eigenvalue == one.eigenvalue);
-    let of: Vec<&Shaped> = shaped.iter().filter(is_chosen).collect();
-    let found = collect(of.len(), &|i| Ok(state.mode(of[i], &shaped)), &|count| {
-        done(all.len() + count, all.len() + of.len());
+    let is_chosen = |value: &Complex<f64>| (low..=high).contains(&(value.im / TAU));
+    let chosen: Vec<Complex<f64>> = all.iter().copied().filter(is_chosen).collect();
+    let shaped = state.shaped(&neighbours(&all, &chosen), &|part, of| done(part, 2 * of))?;
+    let of: Vec<&Shaped> = shaped.iter().filter(|one| is_chosen(&one.eigenvalue)).collect();
+    let found = collect(of.len(), &|i| Ok(state.mode(of[i], &shaped, &all)), &|count| {
+        done(of.len() + count, 2 * of.len());
     })?;
     Ok(Sensitivities {
         parameters: state.parameters,
         without_effect: state.without_effect,
+        without_derivative: state.without_derivative,
         modes: found,
     })
 }
 
-/// An eigenvalue and the number of times that it comes.
-#[derive(Clone, Copy, Debug)]
-struct Multiple {
-    eigenvalue: Complex<f64>,
-    copies: usize,
-}
-
-/// Takes eigenvalues that are equal but for rounding together.
-fn multiple(eigenvalues: impl Iterator<Item = Complex<f64>>) -> Vec<Multiple> {
-    let mut found: Vec<Multiple> = Vec::new();
-    for eigenvalue in eigenvalues {
-        let is_same =
-            |it: &&mut Multiple| (it.eigenvalue - eigenvalue).norm() <= SAME * eigenvalue.norm();
-        match found.iter_mut().find(is_same) {
-            Some(one) => one.copies += 1,
-            None => found.push(Multiple { eigenvalue, copies: 1 }),
-        }
-    }
-    found
-}
-
-/// An eigenvalue with its shapes as columns, and its mean derivative by µ.
-#[derive(Clone, Debug)]
-struct Shaped {
-    eigenvalue: Complex<f64>,
-    copies: usize,
-    left: DMatrix<Complex<f64>>,
-    right: DMatrix<Complex<f64>>,
-    /// Yᵀ (∂Q/∂λ) Z; `None` where it is singular, since the eigenvalue has merged with another one.
-    weight: Option<DMatrix<Complex<f64>>>,
-    by_friction: Complex<f64>,
+/// The eigenvalues that may merge with some that are chosen, and these themselves.
+fn neighbours(all: &[Complex<f64>], chosen: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    let is_near = |value: &&Complex<f64>| {
+        chosen.iter().any(|one| (*one - **value).norm() <= SEARCHED * one.norm())
+    };
+    all.iter().filter(is_near).copied().collect()
 }
 
 /// The matrices of a contact state with their derivatives.
-struct StateDerivatives {
+struct StateDerivatives<'a> {
+    here: &'a Linearised,
+    states: &'a [ContactState],
     matrices: Bordered,
     parameters: Vec<Parameter>,
     /// One for each parameter.
     changes: Vec<BorderedChange>,
     without_effect: Vec<String>,
+    without_derivative: Vec<String>,
     /// The place of the common µ among the parameters.
     friction: Option<usize>,
 }
 
-impl StateDerivatives {
-    fn of(here: &Linearised, states: &[ContactState]) -> Result<Self, Error> {
+impl<'a> StateDerivatives<'a> {
+    fn of(here: &'a Linearised, states: &'a [ContactState]) -> Result<Self, Error> {
         let scene = here.scene().ok_or_else(|| {
             Error::analysis(
                 "derivatives are those by the parameters of a scene, and the model has none",
@@ -206,142 +196,173 @@ impl StateDerivatives {
         })?;
         let problem = Problem::of(here, states)?;
         let (mut parameters, mut changes) = (Vec::new(), Vec::new());
-        let mut without_effect = Vec::new();
+        let (mut without_effect, mut without_derivative) = (Vec::new(), Vec::new());
         let values = Parameters::of(scene.clone());
         for (variable, value) in values.iter() {
             let Some(change) = ModelChange::by(scene, variable)? else { continue };
-            let change = problem.change(&change)?;
-            if change.is_zero() {
-                without_effect.push(variable.name.clone());
+            let name = variable.name.clone();
+            if problem.turns_round(&change) {
+                without_derivative.push(name);
                 continue;
             }
-            let (name, unit) = (variable.name.clone(), unit(variable));
-            parameters.push(Parameter { name, value, unit });
+            let change = problem.change(&change)?;
+            if change.is_zero() {
+                without_effect.push(name);
+                continue;
+            }
+            parameters.push(Parameter { name, value, unit: unit(variable) });
             changes.push(change);
         }
         let friction = parameters.iter().position(|it| it.name == FRICTION);
-        Ok(Self { matrices: problem.matrices(), parameters, changes, without_effect, friction })
+        let matrices = problem.matrices();
+        Ok(Self {
+            here,
+            states,
+            matrices,
+            parameters,
+            changes,
+            without_effect,
+            without_derivative,
+            friction,
+        })
     }
 
-    /// The shapes of an eigenvalue.
-    fn shapes(&self, Multiple { eigenvalue, copies }: Multiple) -> Result<Shaped, Error> {
-        let q = self.matrices.at(eigenvalue);
-        let both = |count| Ok((null_space(&q, count)?, null_space(&q.transpose(), count)?));
-        let (right, left, copies, is_merged) = match both(copies)? {
-            (Some(right), Some(left)) => (right, left, copies, false),
-            // A double eigenvalue with one shape: two have merged.
-            _ => match both(1)? {
-                (Some(right), Some(left)) => (right, left, 1, true),
-                _ => return Err(Error::analysis("the shapes of a mode were not found")),
-            },
-        };
-        let sloped = DMatrix::from_columns(
-            &right
-                .column_iter()
-                .map(|column| self.matrices.slope_times(eigenvalue, &column.into_owned()))
-                .collect::<Vec<_>>(),
-        );
-        let weight = left.tr_mul(&sloped);
-        let is_regular = !is_merged && is_regular(&weight, &sloped);
-        let mut shaped = Shaped {
-            eigenvalue,
-            copies,
-            left,
-            right,
-            weight: is_regular.then_some(weight),
-            by_friction: Complex::ZERO,
-        };
+    /// Eigenvalues with their shapes; those that are equal but for rounding are one.
+    fn shaped(
+        &self,
+        eigenvalues: &[Complex<f64>],
+        done: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Vec<Shaped>, Error> {
+        let mut found = groups(&self.matrices, eigenvalues, done)?;
         if let Some(friction) = self.friction {
-            let all = shaped.derivatives(&self.changes[friction]);
-            #[allow(clippy::cast_precision_loss)]
-            let count = copies as f64;
-            shaped.by_friction =
-                all.map_or(Complex::ZERO, |all| all.iter().sum::<Complex<f64>>() / count);
+            for one in &mut found {
+                one.by_friction = one.mean_derivative(&self.changes[friction]);
+            }
         }
-        Ok(shaped)
+        Ok(found)
     }
 
-    fn mode(&self, one: &Shaped, all: &[Shaped]) -> ModeSensitivity {
-        let derivatives = one.weight.as_ref().map(|_| {
-            self.changes.iter().map(|by| one.derivatives(by).unwrap_or_default()).collect()
+    fn mode(&self, one: &Shaped, near: &[Shaped], all: &[Complex<f64>]) -> ModeSensitivity {
+        let derivatives: Option<Vec<Vec<Complex<f64>>>> =
+            self.changes.iter().map(|by| one.derivatives(by)).collect();
+        let largest = derivatives.iter().flatten().zip(&self.parameters).map(|(by, parameter)| {
+            by.iter().map(|by| by.norm()).fold(0.0, f64::max) * parameter.value.abs()
         });
-        let merging = self.double_point(one, all, NEAR).map(|point| self.merging(&point));
+        let conjugate = [one.eigenvalue.conj()];
+        let others = all.iter().chain(&conjugate).map(|it| (it - one.eigenvalue).norm());
+        let apart = others.filter(|apart| *apart > one.error).fold(f64::INFINITY, f64::min);
+        let holds_within = 0.5 * apart / largest.fold(0.0, f64::max);
+        let merging = self.double_point(one, near, all, NEAR).and_then(|it| self.merging(it));
         let Shaped { eigenvalue, copies, .. } = *one;
-        ModeSensitivity { eigenvalue, copies, derivatives, merging }
+        ModeSensitivity { eigenvalue, copies, derivatives, holds_within, merging }
     }
 
-    /// The merging of an eigenvalue with another one, if there is one within a part of µ.
-    fn double_point(&self, one: &Shaped, all: &[Shaped], within: f64) -> Option<DoublePoint> {
-        let friction = self.friction?;
-        let scale = self.parameters[friction].value;
-        if one.copies > 1 {
-            return None;
+    /// The value of the common µ; 0 if there is none.
+    fn friction_value(&self) -> f64 {
+        self.friction.map_or(0.0, |friction| self.parameters[friction].value)
+    }
+
+    /// The double eigenvalue next to a start, an eigenvalue and a change of µ.
+    fn search(
+        &self,
+        start: (Complex<f64>, Complex<f64>),
+        shapes: [&Matrix; 2],
+    ) -> Option<DoublePoint> {
+        let by = &self.changes[self.friction?];
+        let sizes = [start.0.norm().max(shapes::size(&self.matrices)), self.friction_value()];
+        Search { matrices: &self.matrices, by, sizes }.double_point(start, shapes)
+    }
+
+    /// The nearest merging of an eigenvalue with another one, or with its conjugate, if there is one within a part of µ.
+    fn double_point(
+        &self,
+        one: &Shaped,
+        near: &[Shaped],
+        all: &[Complex<f64>],
+        within: f64,
+    ) -> Option<DoublePoint> {
+        self.friction?;
+        let scale = self.friction_value();
+        let shapes = [&one.left, &one.right];
+        let is_within = |point: &DoublePoint| point.change.norm() <= within * scale;
+        if one.is_merged {
+            return self.search((one.eigenvalue, Complex::ZERO), shapes).filter(is_within);
         }
-        // With λ = s ± √d and d linear in µ, the two merge after a change of −d / d′.
-        let estimate = |other: Complex<f64>, by: Complex<f64>| {
-            -(one.eigenvalue - other) / (2.0 * (one.by_friction - by))
-        };
-        let others = all.iter().filter(|it| it.eigenvalue != one.eigenvalue && it.copies == 1);
-        let pairs = others.map(|it| (it.eigenvalue, it.by_friction));
+        let partners = near.iter().filter(|it| it.eigenvalue != one.eigenvalue);
+        let partners = partners.filter(|it| it.copies == one.copies && !it.is_merged);
+        let partners = partners.map(|it| (it.eigenvalue, it.by_friction));
         let own = [(one.eigenvalue.conj(), one.by_friction.conj())];
         let own = own.into_iter().filter(|it| it.0 != one.eigenvalue);
-        let mut starts: Vec<(Complex<f64>, Complex<f64>)> = pairs
-            .chain(own)
-            .map(|(other, by)| (0.5 * (one.eigenvalue + other), estimate(other, by)))
-            .filter(|start| start.1.norm() <= SEARCHED * scale)
-            .collect();
-        if one.weight.is_none() {
-            starts.insert(0, (one.eigenvalue, Complex::ZERO));
-        }
-        starts.sort_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
-        let shapes = [&one.left, &one.right].map(|shapes| shapes.column(0).into_owned());
-        let found = starts.into_iter().filter_map(|start| {
-            let [left, right] = &shapes;
-            double_point(&self.matrices, &self.changes[friction], scale, start, [left, right])
+        let estimates = partners.chain(own).map(|(other, by)| {
+            // With λ = s ± √d and d linear in µ, the two merge after a change of −d / d′.
+            let change = -(one.eigenvalue - other) / (2.0 * (one.by_friction - by));
+            (0.5 * (one.eigenvalue + other), change)
         });
-        let mut near = found.filter(|point| point.change.norm() <= within * scale);
-        near.next()
+        let starts = estimates.filter(|start| start.1.norm() <= SEARCHED * scale);
+        let found = starts.filter_map(|start| self.search(start, shapes));
+        let found = found.filter(|point| is_within(point) && is_of(point, one.eigenvalue, all));
+        found.min_by(|a, b| a.change.norm().total_cmp(&b.change.norm()))
     }
 
-    fn merging(&self, point: &DoublePoint) -> Merging {
-        let friction = self.friction.expect("there is no merging without a common µ");
-        let by = &self.changes[friction];
-        let derivatives = self
-            .changes
-            .iter()
-            .enumerate()
-            .map(|(i, change)| (i != friction).then(|| point.moves(change, by).re));
-        Merging {
-            friction: self.parameters[friction].value + point.change.re,
-            distance: point.change.norm(),
-            eigenvalue: point.eigenvalue,
-            derivatives: derivatives.collect(),
+    /// A merging with its derivatives, both at the µ of the merging; `None` if the state cannot be analysed there.
+    fn merging(&self, mut point: DoublePoint) -> Option<Merging> {
+        const MOST_STEPS: usize = 8;
+        let start = self.friction_value();
+        let mut friction = start + point.change.re;
+        for _ in 0..MOST_STEPS {
+            let here = Linearised::of(&with_friction(self.here, friction)?);
+            let there = StateDerivatives::of(&here, self.states).ok()?;
+            let from = (point.eigenvalue, Complex::new(0.0, point.change.im));
+            let shapes = [&point.left_shapes(), &point.right_shapes()];
+            point = there.search(from, shapes)?;
+            if point.change.re.abs() > EXACT * start {
+                friction += point.change.re;
+                continue;
+            }
+            let by = &there.changes[there.friction?];
+            let derivatives = self.parameters.iter().enumerate().map(|(i, parameter)| {
+                let place = there.parameters.iter().position(|it| it.name == parameter.name);
+                let own = place.filter(|_| Some(i) != self.friction);
+                own.and_then(|place| point.moves(&there.changes[place], by)).unwrap_or_default()
+            });
+            let derivatives = derivatives.collect();
+            let friction = friction + point.change.re;
+            return Some(Merging {
+                friction,
+                distance: (friction - start).hypot(point.change.im),
+                is_exact: point.change.im.abs() <= EXACT * start,
+                eigenvalue: point.eigenvalue,
+                derivatives,
+            });
         }
+        None
     }
 }
 
-impl Shaped {
-    /// ∂λ/∂p of each copy, the largest real part first; `None` at a merging.
-    fn derivatives(&self, by: &BorderedChange) -> Option<Vec<Complex<f64>>> {
-        let weight = self.weight.as_ref()?;
-        let columns = |matrix: &DMatrix<Complex<f64>>| -> Vec<Vector> {
-            matrix.column_iter().map(|column| column.into_owned()).collect()
-        };
-        let (left, right) = (columns(&self.left), columns(&self.right));
-        if let ([left], [right]) = (&left[..], &right[..]) {
-            return Some(vec![-by.form(left, self.eigenvalue, right) / weight[(0, 0)]]);
-        }
-        let projected = DMatrix::from_fn(left.len(), right.len(), |row, column| {
-            -by.form(&left[row], self.eigenvalue, &right[column])
-        });
-        let mut found = eigenvalues(weight.clone().lu().solve(&projected)?);
-        found.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-        Some(found)
-    }
+/// The scene of a model with another common friction coefficient.
+fn with_friction(here: &Linearised, value: f64) -> Option<amontons::scene::Scene> {
+    let mut scene = here.scene()?.clone();
+    let all = amontons::simulation::variables(&scene);
+    let variable = all.iter().find(|variable| variable.name == FRICTION)?;
+    write_scene(&mut scene, variable, value).ok()?;
+    Some(scene)
+}
+
+/// `true` if an eigenvalue is one of the two that merge at a place, among all eigenvalues and their conjugates.
+fn is_of(point: &DoublePoint, eigenvalue: Complex<f64>, all: &[Complex<f64>]) -> bool {
+    let both = || all.iter().flat_map(|value| [*value, value.conj()]);
+    point.pair(-point.change).into_iter().any(|expected| {
+        let apart = |value: &Complex<f64>| (value - expected).norm();
+        let nearest = both().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        nearest.is_some_and(|nearest| nearest == eigenvalue || nearest == eigenvalue.conj())
+    })
 }
 
 /// The eigenvalues of a small complex matrix.
-fn eigenvalues(matrix: DMatrix<Complex<f64>>) -> Vec<Complex<f64>> {
+fn eigenvalues(matrix: Matrix) -> Vec<Complex<f64>> {
+    if let [only] = matrix.as_slice() {
+        return vec![*only];
+    }
     if matrix.nrows() == 2 {
         // Exact where the two are equal, which an iteration would split.
         let half = 0.5 * (matrix[(0, 0)] + matrix[(1, 1)]);
@@ -349,13 +370,15 @@ fn eigenvalues(matrix: DMatrix<Complex<f64>>) -> Vec<Complex<f64>> {
         let root = (apart * apart + matrix[(0, 1)] * matrix[(1, 0)]).sqrt();
         return vec![half + root, half - root];
     }
-    matrix.schur().unpack().1.diagonal().iter().copied().collect()
-}
-
-/// `false` if left shapes are orthogonal to the derivative by λ of right shapes, but for rounding.
-fn is_regular(weight: &DMatrix<Complex<f64>>, sloped: &DMatrix<Complex<f64>>) -> bool {
-    let least = weight.clone().singular_values().min();
-    least > 1e-12 * sloped.norm()
+    // An iteration that compares with neighbours on the diagonal has no end where these are zero; after a shift by the size of
+    // the matrix they are not.
+    let size = Complex::from(matrix.norm());
+    let count = matrix.nrows();
+    let shifted = matrix + Matrix::from_diagonal_element(count, count, size);
+    match Schur::try_new(shifted, f64::EPSILON, 1000) {
+        Some(schur) => schur.unpack().1.diagonal().iter().map(|value| value - size).collect(),
+        None => vec![Complex::new(f64::NAN, f64::NAN); count],
+    }
 }
 
 /// The unit of a variable.

@@ -25,7 +25,8 @@ pub(super) fn null_space(
         return Err(not_found());
     }
     let mut basis = DMatrix::from_fn(size, count, start);
-    let mut factors = matrix.clone().lu();
+    // Elimination by rows loses all digits in long chains of modules; reflections do not.
+    let mut factors = matrix.clone().qr();
     for step in 0..STEPS {
         if !factors.solve_mut(&mut basis) || basis.iter().any(|entry| !entry.is_finite()) {
             if step > 0 {
@@ -33,7 +34,7 @@ pub(super) fn null_space(
             }
             // It is singular to the last digit; one that differs by rounding has the same null space.
             let rounding = Complex::from(4.0 * f64::EPSILON * length);
-            factors = (matrix + DMatrix::from_diagonal_element(size, size, rounding)).lu();
+            factors = (matrix + DMatrix::from_diagonal_element(size, size, rounding)).qr();
             basis = DMatrix::from_fn(size, count, start);
             if !factors.solve_mut(&mut basis) {
                 return Err(not_found());
@@ -45,12 +46,18 @@ pub(super) fn null_space(
     Ok((rest <= SMALL * length).then_some(basis))
 }
 
-/// Numbers without a pattern, which no shape is orthogonal to but by accident.
+/// Numbers without a pattern, which no shape is orthogonal to but by accident (Steele et al., Fast splittable pseudorandom
+/// number generators, 2014).
 #[allow(clippy::cast_precision_loss)]
 fn start(row: usize, column: usize) -> Complex<f64> {
-    // Multiples of an irrational number spread evenly.
-    let part = |factor: f64| (factor * (1 + row * 7 + column * 3) as f64).fract() - 0.5;
-    Complex::new(part(0.618_033_988_749_894_9), part(0.414_213_562_373_095_1))
+    let mut state = (row as u64) << 32 | column as u64;
+    let mut next = || {
+        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (state ^ state >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((mixed ^ mixed >> 31) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    Complex::new(next(), next())
 }
 
 #[cfg(test)]

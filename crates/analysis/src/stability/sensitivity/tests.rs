@@ -1,5 +1,5 @@
 use super::*;
-use crate::assign::{assign, value_of};
+use crate::assign::assign;
 use amontons::contact::ContactState::{ReverseSlide, Slide, Stick};
 use amontons::scene::{
     Freedom, NodeAt, Point, Scene, Structure, Superelement, SuperelementMatrices, builtin, parse,
@@ -147,11 +147,13 @@ fn at_a_merging_there_is_no_derivative_but_that_of_its_place() {
             let merging = mode.merging.as_ref().unwrap();
             assert!((merging.friction - critical.value).abs() < 1e-11, "{off}: {merging:?}");
             assert!((merging.distance - off.abs()).abs() < 1e-11, "{off}: {merging:?}");
-            for (name, by) in &critical.derivatives {
+            for (Parameter { name, value, .. }, by) in &critical.derivatives {
                 let place = found.parameters.iter().position(|it| it.name == *name).unwrap();
-                let scale = value_of(&scene, name).unwrap().abs();
-                let other = merging.derivatives[place].unwrap();
-                assert!((by[0] - other).abs() * scale < 1e-9, "{off}, {name}: {by:?} {other}");
+                let other = merging.derivatives[place][0];
+                assert!(
+                    (by[0] - other).abs() * value.abs() < 1e-9,
+                    "{off}, {name}: {by:?} {other}"
+                );
             }
             let derivatives = mode.derivatives.iter().flatten().flatten();
             assert!(derivatives.into_iter().all(|by| by.is_finite()));
@@ -173,4 +175,128 @@ fn contacts_that_hold_one_motion_twice_have_no_derivatives() {
     let here = Linearised::of(&scene);
     let error = sensitivities(&here, &[Slide; 3], ALL, &|_, _| {}).unwrap_err();
     assert!(error.to_string().contains("hold one motion"), "{error}");
+}
+
+/// Two double eigenvalues of a ring without damping merge: one of the two waves does not feel a change of one module.
+#[test]
+fn where_double_modes_of_a_ring_merge_the_place_has_two_derivatives() {
+    let mut scene = builtin("ring12").unwrap().scene();
+    assign(&mut scene, "damping.beta", 0.0).unwrap();
+    let all = critical_friction(&scene, &[Slide; 12], [0.65, 1.2], [185.0, 260.0], &|_, _| {});
+    let all = all.unwrap();
+    let doubles: Vec<&CriticalFriction> = all.iter().filter(|it| it.copies == 2).collect();
+    assert!(doubles.len() >= 3, "{all:?}");
+    for critical in doubles {
+        assert!(critical.is_merging);
+        let of = |module: usize| {
+            let name = format!("module[{module}].k5");
+            let (parameter, by) = critical.derivatives.iter().find(|it| it.0.name == name).unwrap();
+            [by[0] * parameter.value, by[1] * parameter.value]
+        };
+        let first = of(1);
+        assert!(first[0].abs() < 1e-7 && first[1] < -0.1, "{first:?}");
+        for module in 2..=12 {
+            let other = of(module);
+            assert!((first[1] - other[1]).abs() < 1e-8, "{module}: {first:?} {other:?}");
+        }
+    }
+    // By differences of the place itself, found anew with another module.
+    let place = |part: f64| {
+        let mut scene = scene.clone();
+        assign(&mut scene, "module[1].k5", 300e3 * (1.0 + part)).unwrap();
+        let range = [0.705, 0.7125];
+        let all = critical_friction(&scene, &[Slide; 12], range, [185.0, 260.0], &|_, _| {});
+        all.unwrap().iter().map(|it| it.value).fold(f64::MAX, f64::min)
+    };
+    let difference = (place(1e-5) - place(-1e-5)) / 1e-5;
+    let critical = all.iter().find(|it| (it.value - 0.708_211).abs() < 1e-5).unwrap();
+    let (parameter, by) =
+        critical.derivatives.iter().find(|it| it.0.name == "module[1].k5").unwrap();
+    // One of the two places moves; the least is that of the moved one for a stiffer module alone.
+    assert!((by[1] * parameter.value - difference).abs() < 1e-3, "{by:?} {difference}");
+}
+
+/// Modes beside a pair that merges once claimed its merging as theirs.
+#[test]
+fn only_the_two_modes_that_merge_claim_their_merging() {
+    let scene = builtin("ring12").unwrap().scene();
+    for friction in [1.0, 1.2, 1.5, 1.93, 1.96] {
+        let mut scene = scene.clone();
+        assign(&mut scene, FRICTION, friction).unwrap();
+        let here = Linearised::of(&scene);
+        let found = sensitivities(&here, &[Slide; 12], ALL, &|_, _| {}).unwrap();
+        let claims = found.modes.iter().filter_map(|mode| mode.merging.as_ref());
+        let claims: Vec<&Merging> = claims.collect();
+        for one in &claims {
+            let same = |it: &&&Merging| {
+                (it.eigenvalue - one.eigenvalue).norm() < 1e-6 * one.eigenvalue.norm()
+                    && (it.friction - one.friction).abs() < 1e-9
+            };
+            assert_eq!(claims.iter().filter(same).count(), 2, "µ = {friction}: {one:?}");
+        }
+    }
+}
+
+/// The place of a merging moves with the slider's angle as it does at the merging, also next to it.
+#[test]
+fn the_place_of_a_merging_moves_alike_from_wherever_it_is_seen() {
+    let of = |friction: f64| {
+        let mut scene = builtin("hoffmann").unwrap().scene();
+        assign(&mut scene, FRICTION, friction).unwrap();
+        let here = Linearised::of(&scene);
+        let found = sensitivities(&here, &[Slide], ALL, &|_, _| {}).unwrap();
+        let place = found.parameters.iter().position(|it| it.name == "slider.angle").unwrap();
+        found.modes[0].merging.as_ref().unwrap().derivatives[place][0]
+    };
+    for friction in [0.2565, 0.2575, 0.2584] {
+        assert!((of(friction) - of(0.255_94)).abs() < 1e-8, "{friction}");
+    }
+}
+
+/// Soft modes that differ less than the rounding of stiff springs were given shapes that mix both.
+#[test]
+fn modes_that_rounding_mixes_are_taken_together() {
+    let part = |name: &str, soft: f64| {
+        format!(
+            "mass = [{{ name = \"{name}a\", mass = 1.0, locked = [\"y\"] }}, {{ name = \"{name}b\", mass = 1.0, \
+             locked = [\"y\"] }}]\nspring = [{{ name = \"g{name}\", between = [\"{name}a\", \"ground\"], direction = \
+             \"x\", stiffness = {soft:?} }}, {{ name = \"k{name}\", between = [\"{name}a\", \"{name}b\"], direction = \
+             \"x\", stiffness = 1e10 }}]\n"
+        )
+    };
+    let (first, second) = (part("p", 100.0), part("q", 100.0 * (1.0 + 1e-9)));
+    let lists = |key: &str| {
+        let of = |text: &str| {
+            let after = text.split(&format!("{key} = [")).nth(1).unwrap().to_owned();
+            after.split("]\n").next().unwrap().to_owned()
+        };
+        format!("{key} = [{}, {}]\n", of(&first), of(&second))
+    };
+    let text = format!(
+        "slider = {{ velocity = 0.1, angle = 0.0 }}\nfriction = {{ coefficient = 0.0 }}\nintegrator = {{ step = 1e-6 }}\n{}{}",
+        lists("mass"),
+        lists("spring")
+    );
+    let scene = parse("soft", &text).unwrap();
+    let here = Linearised::of(&scene);
+    let found = sensitivities(&here, &[], [0.0, 10.0], &|_, _| {}).unwrap();
+    let [both] = &found.modes[..] else { panic!("{:?}", found.modes) };
+    assert_eq!(both.copies, 2);
+    let place = found.parameters.iter().position(|it| it.name == "spring.gp.stiffness").unwrap();
+    let mut by: Vec<f64> =
+        both.derivatives.as_ref().unwrap()[place].iter().map(|by| by.im / TAU).collect();
+    by.sort_by(f64::total_cmp);
+    // f = √(g / 2m) / 2π of one of them.
+    let expected = (100.0_f64 / 2.0).sqrt() / TAU / 200.0;
+    assert!(by[0].abs() < 1e-6 * expected && (by[1] / expected - 1.0).abs() < 1e-6, "{by:?}");
+}
+
+#[test]
+fn a_large_ring_has_derivatives_too() {
+    let mut scene = builtin("ring12").unwrap().scene();
+    let module = scene.modules()[0];
+    *scene.modules_mut() = vec![module; 60];
+    let here = Linearised::of(&scene);
+    let found = sensitivities(&here, &[Slide; 60], [197.0, 197.5], &|_, _| {}).unwrap();
+    assert!(!found.modes.is_empty());
 }

@@ -6,6 +6,7 @@ use amontons_cli::arguments::{Format, Values, islands, named_grid, named_steps, 
 use amontons_cli::shards::ShardArguments;
 use amontons_matrices::Location;
 use clap::{Args, Parser, Subcommand};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Complex eigenvalues of a scene in its contact states: unstable modes and their critical friction coefficients
@@ -166,8 +167,8 @@ pub struct Sensitivity {
     #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub critical: Option<[f64; 2]>,
     /// Number of parameters that the table and the picture show of each mode, the most effective first
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    pub first: usize,
+    #[arg(long, value_name = "N", default_value = "8")]
+    pub first: NonZeroUsize,
     /// Format of the output; JSON and CSV have all parameters
     #[arg(long, value_enum, default_value = "table")]
     pub format: Format,

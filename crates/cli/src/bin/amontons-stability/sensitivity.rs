@@ -39,6 +39,8 @@ struct SensitivityReport<'a> {
     /// `None` if they were not asked for.
     critical: Option<Vec<CriticalFriction>>,
     first: usize,
+    /// Bounds of the frequencies, Hz, if they are given.
+    frequencies: Option<[f64; 2]>,
 }
 
 pub fn run(arguments: &Sensitivity, out: &mut dyn Write) -> Result<(), Failure> {
@@ -59,7 +61,7 @@ pub fn run(arguments: &Sensitivity, out: &mut dyn Write) -> Result<(), Failure> 
     if found.modes.is_empty() {
         let [low, high] = frequencies;
         return Err(Error::argument(format!(
-            "no mode of the state {} has a frequency from {low} to {high} Hz; `amontons-stability modes` lists them",
+            "no mode of the state {} has a frequency from {low} to {high} Hz; without --frequencies all are listed",
             in_words(&states, scene)
         ))
         .into());
@@ -76,8 +78,14 @@ pub fn run(arguments: &Sensitivity, out: &mut dyn Write) -> Result<(), Failure> 
         }
     };
     let state = in_words(&states, scene);
-    let report =
-        SensitivityReport { given: &given, state, found, critical, first: arguments.first };
+    let report = SensitivityReport {
+        given: &given,
+        state,
+        found,
+        critical,
+        first: arguments.first.get(),
+        frequencies: arguments.frequencies,
+    };
     if let Some(path) = &arguments.plot {
         report.bars().write(path)?;
     }
@@ -89,14 +97,26 @@ pub fn run(arguments: &Sensitivity, out: &mut dyn Write) -> Result<(), Failure> 
     Ok(())
 }
 
-/// A parameter with what a change of it by one part in a hundred does.
+/// A parameter with the effect of a change of it by one part in a hundred of its size or, if it is zero, by its unit.
 struct Effect<'a> {
     parameter: &'a Parameter,
     /// Changes of the growth rate, 1/s, and of the frequency, Hz, or of a critical µ; one for each copy.
     changes: Vec<[f64; 2]>,
 }
 
-impl Effect<'_> {
+impl<'a> Effect<'a> {
+    /// The effect of a parameter with these derivatives by it.
+    fn of(parameter: &'a Parameter, derivatives: impl Iterator<Item = [f64; 2]>) -> Self {
+        // A parameter that is zero has no part in a hundred: its unit stands for it.
+        let by = if parameter.value == 0.0 { 1.0 } else { CHANGE * parameter.value.abs() };
+        Self { parameter, changes: derivatives.map(|it| it.map(|part| by * part)).collect() }
+    }
+
+    /// `true` if the change is one unit of the parameter.
+    fn is_by_unit(&self) -> bool {
+        self.parameter.value == 0.0
+    }
+
     /// The largest change of each quantity.
     fn size(&self) -> [f64; 2] {
         let most =
@@ -111,12 +131,12 @@ impl Effect<'_> {
     }
 }
 
-/// The effects without those of rounding, the largest first; those that are equal but for rounding in the order of the
-/// parameters.
-fn sorted(mut effects: Vec<Effect<'_>>) -> Vec<Effect<'_>> {
+/// The effects without those of rounding of a quantity of this size, the largest first and parameters that are zero last; those
+/// that are equal but for rounding in the order of the parameters.
+fn sorted(mut effects: Vec<Effect<'_>>, size: f64) -> Vec<Effect<'_>> {
     let changes = || effects.iter().flat_map(|effect| &effect.changes);
     let largest = changes().map(|change| change[0].abs().max(TAU * change[1].abs()));
-    let floor = ROUNDING * largest.fold(0.0, f64::max);
+    let floor = ROUNDING * largest.fold(size, f64::max);
     for change in effects.iter_mut().flat_map(|effect| &mut effect.changes) {
         for (part, unit) in change.iter_mut().zip([1.0, TAU]) {
             if unit * part.abs() <= floor {
@@ -124,7 +144,10 @@ fn sorted(mut effects: Vec<Effect<'_>>) -> Vec<Effect<'_>> {
             }
         }
     }
-    let order = |effect: &Effect<'_>| effect.size().map(|size| to_significant(size, SAME_DIGITS));
+    let order = |effect: &Effect<'_>| {
+        let [first, second] = effect.size().map(|size| to_significant(size, SAME_DIGITS));
+        (!effect.is_by_unit(), first, second)
+    };
     effects.sort_by(|a, b| order(b).partial_cmp(&order(a)).unwrap_or(Ordering::Equal));
     effects
 }
@@ -140,37 +163,32 @@ impl SensitivityReport<'_> {
         modes
     }
 
-    /// The effects on a mode's growth rate and frequency.
+    /// The effects on a mode's growth rate and frequency; rounding is told by the size of the eigenvalue too.
     fn effects(&self, mode: &ModeSensitivity) -> Vec<Effect<'_>> {
         let derivatives = mode.derivatives.iter().flatten();
         let of = |(parameter, values): (_, &Vec<nalgebra::Complex<f64>>)| {
-            let parameter: &Parameter = parameter;
-            let by = CHANGE * parameter.value;
-            let change = |value: &nalgebra::Complex<f64>| [by * value.re, by * value.im / TAU];
-            Effect { parameter, changes: values.iter().map(change).collect() }
+            let change = |value: &nalgebra::Complex<f64>| [value.re, value.im / TAU];
+            Effect::of(parameter, values.iter().map(change))
         };
-        sorted(self.found.parameters.iter().zip(derivatives).map(of).collect())
+        let effects = self.found.parameters.iter().zip(derivatives).map(of).collect();
+        sorted(effects, mode.eigenvalue.norm())
     }
 
     /// The effects on the µ of a merging.
     fn merging_effects(&self, merging: &Merging) -> Vec<Effect<'_>> {
-        let of = |(parameter, value): (_, &Option<f64>)| {
-            let parameter: &Parameter = parameter;
-            Some(Effect { parameter, changes: vec![[CHANGE * parameter.value * (*value)?, 0.0]] })
+        let all = self.found.parameters.iter().zip(&merging.derivatives);
+        let all = all.filter(|(_, values)| !values.is_empty());
+        let of = |(parameter, values): (_, &Vec<f64>)| {
+            Effect::of(parameter, values.iter().map(|value| [*value, 0.0]))
         };
-        let derivatives = &merging.derivatives;
-        sorted(self.found.parameters.iter().zip(derivatives).filter_map(of).collect())
+        sorted(all.map(of).collect(), merging.friction)
     }
 
     /// The effects on a critical µ.
-    fn critical_effects(&self, critical: &CriticalFriction) -> Vec<Effect<'_>> {
-        let of = |(name, values): &(String, Vec<f64>)| {
-            let parameter = self.found.parameters.iter().find(|it| it.name == *name)?;
-            let by = CHANGE * parameter.value;
-            let changes = values.iter().map(|value| [by * value, 0.0]).collect();
-            Some(Effect { parameter, changes })
-        };
-        sorted(critical.derivatives.iter().filter_map(of).collect())
+    fn critical_effects(critical: &CriticalFriction) -> Vec<Effect<'_>> {
+        let all = critical.derivatives.iter();
+        let all = all.map(|it| Effect::of(&it.0, it.1.iter().map(|value| [*value, 0.0])));
+        sorted(all.collect(), critical.value)
     }
 
     fn title(&self) -> String {
@@ -190,18 +208,22 @@ impl SensitivityReport<'_> {
                 copies(mode.copies)
             )?;
             if let Some(merging) = &mode.merging {
-                writeln!(out, ", merges with another mode {}", place(merging))?;
-                let head = format!("changes of this µ for +{} % of the parameter", 100.0 * CHANGE);
+                writeln!(out, ", {}", place(merging))?;
+                let head = format!("change of this µ, for +{} % of the parameter", 100.0 * CHANGE);
                 self.print_effects(&self.merging_effects(merging), &head, None, out)?;
             } else if mode.derivatives.is_none() {
-                writeln!(
-                    out,
-                    ", has merged with another mode in a way that no µ describes: it has no derivatives"
-                )?;
+                writeln!(out, ", {}", without_derivatives(mode))?;
             } else {
                 writeln!(out)?;
                 let head = format!("growth rate [1/s], for +{} % of the parameter", 100.0 * CHANGE);
                 self.print_effects(&self.effects(mode), &head, Some("frequency [Hz]"), out)?;
+                if mode.holds_within < CHANGE {
+                    writeln!(
+                        out,
+                        "  another eigenvalue is near: the derivatives may hold only for changes much smaller than {} of a parameter",
+                        significant(mode.holds_within, 2)
+                    )?;
+                }
             }
         }
         for critical in self.critical.iter().flatten() {
@@ -218,11 +240,14 @@ impl SensitivityReport<'_> {
                 at_frequency(critical.frequency_hz),
                 if critical.is_merging { ", where it merges with another one" } else { "" },
             )?;
-            let head = format!("changes of this µ for +{} % of the parameter", 100.0 * CHANGE);
-            self.print_effects(&self.critical_effects(critical), &head, None, out)?;
+            let head = format!("change of this µ, for +{} % of the parameter", 100.0 * CHANGE);
+            self.print_effects(&Self::critical_effects(critical), &head, None, out)?;
         }
         if self.critical.as_ref().is_some_and(Vec::is_empty) {
-            writeln!(out, "\nno mode begins or ceases to grow in the range of --critical")?;
+            let bounds = self.frequencies.map_or(String::new(), |[low, high]| {
+                format!(", at frequencies from {low} to {high} Hz")
+            });
+            writeln!(out, "\nno mode begins or ceases to grow in the range of --critical{bounds}")?;
         }
         if !self.found.without_effect.is_empty() {
             let mut names: Vec<String> =
@@ -230,6 +255,10 @@ impl SensitivityReport<'_> {
             let mut seen = HashSet::new();
             names.retain(|name| seen.insert(name.clone()));
             writeln!(out, "\nwithout effect: {}", names.join(", "))?;
+        }
+        if !self.found.without_derivative.is_empty() {
+            let names = self.found.without_derivative.join(", ");
+            writeln!(out, "\nwithout derivative, since the surface stands still: {names}")?;
         }
         Ok(())
     }
@@ -252,16 +281,24 @@ impl SensitivityReport<'_> {
         }
         for (effect, value) in shown.iter().zip(&values) {
             write!(out, "  {:width$}  {value:>value_width$}", effect.parameter.name)?;
+            // Equal modes that the parameter does not part have one effect.
+            let mut changes: Vec<[String; 2]> =
+                effect.changes.iter().map(|change| change.map(signed)).collect();
+            changes.dedup();
             let several = |part: usize| {
-                let all = effect.changes.iter().map(|change| signed(change[part]));
-                let mut all: Vec<String> = all.collect();
-                all.dedup();
+                let all: Vec<&str> = changes.iter().map(|change| &*change[part]).collect();
                 all.join(" and ")
             };
             if second.is_some() {
                 write!(out, "  {:>15}", several(1))?;
             }
-            writeln!(out, "  {}", several(0))?;
+            let unit = effect.parameter.unit;
+            let by = match (effect.is_by_unit(), unit) {
+                (false, _) => String::new(),
+                (true, "") => " for +1".into(),
+                (true, unit) => format!(" for +1 {unit}"),
+            };
+            writeln!(out, "  {}{by}", several(0))?;
         }
         Ok(())
     }
@@ -269,37 +306,33 @@ impl SensitivityReport<'_> {
     fn print_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
-            "of,frequency_hz,growth_rate,parameter,value,copy,derivative,frequency_derivative_hz"
+            "of,frequency_hz,growth_rate,friction,distance,parameter,value,copy,derivative,frequency_derivative_hz"
         )?;
+        let parameters = &self.found.parameters;
         for mode in &self.found.modes {
             let head = format!("{:?},{:?}", mode.frequency_hz(), mode.growth_rate());
             let derivatives = mode.derivatives.iter().flatten();
-            for (Parameter { name, value, .. }, all) in
-                self.found.parameters.iter().zip(derivatives)
-            {
+            for (Parameter { name, value, .. }, all) in parameters.iter().zip(derivatives) {
                 for (copy, by) in (1..).zip(all) {
-                    writeln!(
-                        out,
-                        "mode,{head},{name},{value:?},{copy},{:?},{:?}",
-                        by.re,
-                        by.im / TAU
-                    )?;
+                    let by = format!("{:?},{:?}", by.re, by.im / TAU);
+                    writeln!(out, "mode,{head},,,{name},{value:?},{copy},{by}")?;
                 }
             }
-            let merging = mode.merging.iter().flat_map(|it| &it.derivatives);
-            for (Parameter { name, value, .. }, by) in self.found.parameters.iter().zip(merging) {
-                if let Some(by) = by {
-                    writeln!(out, "merging,{head},{name},{value:?},1,{by:?},")?;
+            if let Some(merging) = &mode.merging {
+                let place = format!("{:?},{:?}", merging.friction, merging.distance);
+                for (parameter, all) in parameters.iter().zip(&merging.derivatives) {
+                    let Parameter { name, value, .. } = parameter;
+                    for (copy, by) in (1..).zip(all) {
+                        writeln!(out, "merging,{head},{place},{name},{value:?},{copy},{by:?},")?;
+                    }
                 }
             }
         }
         for critical in self.critical.iter().flatten() {
-            for (name, all) in &critical.derivatives {
-                let of = self.found.parameters.iter().find(|it| it.name == *name);
-                let value = of.map_or(f64::NAN, |it| it.value);
+            let head = format!("{:?},0.0,{:?},", critical.frequency_hz, critical.value);
+            for (Parameter { name, value, .. }, all) in &critical.derivatives {
                 for (copy, by) in (1..).zip(all) {
-                    let hz = critical.frequency_hz;
-                    writeln!(out, "critical,{hz:?},0.0,{name},{value:?},{copy},{by:?},")?;
+                    writeln!(out, "critical,{head},{name},{value:?},{copy},{by:?},")?;
                 }
             }
         }
@@ -327,10 +360,12 @@ impl SensitivityReport<'_> {
             });
             let merging = mode.merging.as_ref().map(|merging| {
                 let each = names().zip(&merging.derivatives);
-                let each = each.filter_map(|(name, by)| Some((name, json!((*by)?))));
+                let each = each.filter(|(_, by)| !by.is_empty());
+                let each = each.map(|(name, by)| (name, json!(by)));
                 json!({
                     "friction": merging.friction,
                     "distance": merging.distance,
+                    "is_exact": merging.is_exact,
                     "frequency_hz": merging.eigenvalue.im / TAU,
                     "growth_rate": merging.eigenvalue.re,
                     "derivatives": each.collect::<Map<String, Value>>(),
@@ -341,13 +376,15 @@ impl SensitivityReport<'_> {
                 "growth_rate": mode.growth_rate(),
                 "copies": mode.copies,
                 "derivatives": derivatives,
+                "holds_within": mode.holds_within,
                 "merging": merging,
             })
         });
         let critical = self.critical.as_ref().map(|all| {
             let each = all.iter().map(|critical| {
                 let derivatives = critical.derivatives.iter();
-                let derivatives = derivatives.map(|(name, by)| (name.clone(), json!(by)));
+                let derivatives =
+                    derivatives.map(|(parameter, by)| (parameter.name.clone(), json!(by)));
                 json!({
                     "friction": critical.value,
                     "frequency_hz": critical.frequency_hz,
@@ -365,6 +402,7 @@ impl SensitivityReport<'_> {
             "state": self.state,
             "parameters": parameters.collect::<Map<String, Value>>(),
             "without_effect": self.found.without_effect,
+            "without_derivative": self.found.without_derivative,
             "modes": modes.collect::<Vec<Value>>(),
             "critical": critical,
         })
@@ -385,7 +423,7 @@ impl SensitivityReport<'_> {
             let hz = mode.frequency_hz();
             match &mode.merging {
                 Some(merging) => BarGroup {
-                    title: format!("Mode at {hz:.2} Hz, merges {}", place(merging)),
+                    title: format!("Mode at {hz:.2} Hz, {}", place(merging)),
                     axis: "Change of this µ for +1 % [–]".into(),
                     bars: bars(&self.merging_effects(merging)),
                 },
@@ -406,17 +444,32 @@ impl SensitivityReport<'_> {
                 at_frequency(critical.frequency_hz)
             ),
             axis: "Change of the critical µ for +1 % [–]".into(),
-            bars: bars(&self.critical_effects(critical)),
+            bars: bars(&Self::critical_effects(critical)),
         });
         let groups = modes.chain(critical).filter(|group| !group.bars.is_empty()).collect();
         Bars { title: self.title(), groups }
     }
 }
 
-/// The place of a merging, as "at µ = 1.20 (distance 1.2e-3)".
+/// The place of a merging, as "merges with another mode at µ = 1.2, at a distance of 1e-3".
 fn place(merging: &Merging) -> String {
     let (at, distance) = (significant(merging.friction, 9), significant(merging.distance, 3));
-    format!("near µ = {at}, at a distance of {distance}")
+    let verb =
+        match (merging.is_exact, merging.eigenvalue.im.abs() <= 1e-6 * merging.eigenvalue.norm()) {
+            (true, false) => "merges with another mode",
+            (true, true) => "ceases to oscillate",
+            (false, _) => "comes nearest to another mode",
+        };
+    format!("{verb} at µ = {at}, at a distance of {distance}")
+}
+
+/// The reason for which a mode has no derivatives.
+fn without_derivatives(mode: &ModeSensitivity) -> &'static str {
+    if mode.eigenvalue.norm() == 0.0 {
+        "a free motion, which no spring holds: it has no derivatives"
+    } else {
+        "equal to another mode with the same shape: it has no derivatives"
+    }
 }
 
 /// The name of a value of all modules: `module[*].f1`.
