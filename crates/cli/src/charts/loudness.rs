@@ -2,7 +2,7 @@
 
 use amontons::scene::Scene;
 use amontons_analysis::study::loudness::{FoundMotion, Loudness, Row};
-use amontons_pictures::picture::{Chart, Marker, Panel, Series, Style};
+use amontons_pictures::picture::{Chart, Mark, Marker, Panel, Series, Style};
 
 /// Root mean square of the speed of a motion's fastest point, m/s; `None` of a motion that was not measured.
 #[must_use]
@@ -44,6 +44,7 @@ pub fn chart(scene: &Scene, found: &Loudness) -> Chart {
             y_label: "Speed of the fastest point, rms [m/s]".to_owned(),
             series: series.filter(|series| !series.points.is_empty()).collect(),
             zero_line: true,
+            marks: vec![Mark { x: 0.0, label: None }],
             ..Panel::default()
         }],
         logarithmic: false,

@@ -45,6 +45,7 @@ pub fn disagreements(found: &Loudness, observation: &ObservationSettings) -> Vec
     let mut said: Vec<String> = Vec::new();
     for row in &found.rows {
         said.extend(other_mode(row, found));
+        said.extend(not_met(row, found));
         said.extend(no_motion(row, found, observation));
     }
     said.extend(ranks(found));
@@ -57,6 +58,7 @@ fn grows(row: &Row, found: &Loudness) -> String {
     match (row.growth_rank, found.rows.len()) {
         (_, 1) => format!("{name} alone grows"),
         (1, _) => format!("{name} grows fastest"),
+        (2, 2) => format!("{name} grows more slowly"),
         (place, count) if place == count => format!("{name} grows most slowly"),
         (place, _) => format!("{name} grows {} fastest", ordinal(place)),
     }
@@ -78,6 +80,19 @@ fn other_mode(row: &Row, found: &Loudness) -> Option<String> {
         nearest.frequency,
         nearest.growth_rate
     ))
+}
+
+/// The sentence on a candidate whose contact states no motion takes.
+fn not_met(row: &Row, found: &Loudness) -> Option<String> {
+    let attempt = row.attempt();
+    let moves = found.motions[attempt.motion?].ending.kind.is_cycle();
+    (moves && attempt.meets == Some(false)).then(|| {
+        format!(
+            "{}: pushes along it lead to a motion in which contacts never take the states {} together",
+            row.way.name(),
+            row.way.states
+        )
+    })
 }
 
 /// The sentence on a way without a motion of known size.
@@ -151,4 +166,127 @@ fn ranks(found: &Loudness) -> Vec<String> {
 fn numbers(modes: &[usize]) -> String {
     let all: Vec<String> = modes.iter().map(ToString::to_string).collect();
     all.join(" and ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::loudness::{Attempt, Measured, ModeShare, PointMotion, ways};
+    use crate::study::{LongTermMotion, ObservationRequest, Watch};
+    use amontons::scene::builtin;
+    use serde_json::json;
+
+    /// A motion of this frequency, Hz, and speed, m/s, that is nearest to a mode.
+    fn motion(kind: Kind, frequency: f64, rms: f64, mode: usize) -> FoundMotion {
+        let ending: LongTermMotion = serde_json::from_value(json!({
+            "kind": kind, "amplitude": 1e-3, "frequency": frequency, "lines": [], "shares": [1.0, 0.0, 0.0, 0.0],
+            "taken": [true, false, false, false], "time": 8.0, "rate": 0.0,
+        }))
+        .unwrap();
+        let point = PointMotion {
+            point: "pad".to_owned(),
+            amplitude: 1e-3,
+            rms,
+            peak: 2.0 * rms,
+            normal_rms: None,
+            normal_peak: None,
+        };
+        let measured = Measured {
+            span: 1.0,
+            is_period: false,
+            points: vec![point],
+            rms_error: 0.0,
+            power: None,
+            states: Vec::new(),
+            shares: Vec::new(),
+        };
+        let nearest = ModeShare { modes: vec![mode], frequency, growth_rate: 1.0, share: 0.9 };
+        let moves = kind.is_cycle();
+        FoundMotion {
+            ending,
+            measured: moves.then_some(measured),
+            nearest: moves.then_some(nearest),
+        }
+    }
+
+    /// Rows of modes with these numbers and growth rates, 1/s, each with the place of its motion.
+    fn found(rows: &[(usize, f64, Option<usize>)], motions: Vec<FoundMotion>) -> Loudness {
+        let way = ways(&builtin("set1").unwrap().scene(), 0, Watch::IDLE).unwrap().ways.remove(0);
+        let row = |&(number, growth_rate, motion): &(usize, f64, Option<usize>)| {
+            let mut way = way.clone();
+            (way.number, way.growth_rate) = (number, growth_rate);
+            let ending = motion.map_or_else(
+                || self::motion(Kind::Unsettled, 1.0, 0.0, 1).ending,
+                |motion| motions[motion].ending.clone(),
+            );
+            let ending = Some(ending);
+            let attempts = vec![Attempt { push: 1e-3, ending, failure: None, meets: None, motion }];
+            Row { way, attempts, chosen: 0, growth_rank: 0, loudness_rank: None }
+        };
+        let mut rows: Vec<Row> = rows.iter().map(row).collect();
+        rank(&mut rows, &motions);
+        Loudness { grows: true, rows, motions, unexamined: None, findings: Vec::new() }
+    }
+
+    fn said(found: &Loudness) -> Vec<String> {
+        let scene = builtin("set1").unwrap().scene();
+        let observation = ObservationSettings::of(&scene, &ObservationRequest::default()).unwrap();
+        disagreements(found, &observation)
+    }
+
+    #[test]
+    fn a_mode_that_grows_fastest_to_the_weakest_motion_is_told() {
+        let motions = vec![
+            motion(Kind::Periodic, 100.0, 0.1, 3),
+            motion(Kind::Periodic, 200.0, 0.3, 5),
+            motion(Kind::Periodic, 300.0, 0.2, 7),
+        ];
+        let found = found(&[(3, 9.0, Some(0)), (5, 1.0, Some(1)), (7, 4.0, Some(2))], motions);
+        let ranks: Vec<_> =
+            found.rows.iter().map(|row| (row.growth_rank, row.loudness_rank)).collect();
+        assert_eq!(ranks, [(1, Some(3)), (3, Some(1)), (2, Some(2))]);
+        assert_eq!(
+            said(&found),
+            [
+                "mode 3 grows fastest, but its motion is the weakest",
+                "mode 5 grows most slowly, and yet its motion is the loudest"
+            ]
+        );
+    }
+
+    #[test]
+    fn a_motion_with_the_frequency_of_another_mode_is_told_and_so_is_one_motion_of_all() {
+        let all = found(
+            &[(3, 9.0, Some(0)), (5, 10.0, Some(0))],
+            vec![motion(Kind::Periodic, 100.0, 0.1, 3)],
+        );
+        let told = said(&all);
+        assert!(
+            told[0].starts_with(
+                "mode 5 grows fastest, but its motion has 100.00 Hz, nearest to mode 3"
+            )
+        );
+        assert!(told.len() == 2 && told[1].contains("lead to the same one"), "{told:?}");
+    }
+
+    #[test]
+    fn ranks_that_agree_and_motions_of_which_nothing_is_known_are_told() {
+        let motions =
+            vec![motion(Kind::Periodic, 100.0, 0.1, 3), motion(Kind::Periodic, 200.0, 0.3, 5)];
+        let agree = found(&[(3, 1.0, Some(0)), (5, 9.0, Some(1))], motions.clone());
+        assert_eq!(said(&agree), ["the ranks agree: what grows faster leads to a louder motion"]);
+        let rest = motion(Kind::Unbounded, 0.0, 0.0, 1);
+        let unknown = found(&[(3, 1.0, None), (5, 9.0, Some(0))], vec![rest]);
+        assert_eq!(unknown.rows.iter().filter_map(|row| row.loudness_rank).count(), 0);
+        let told = said(&unknown);
+        assert!(
+            told[0].contains("had not settled after 120 s") && told[1].contains("without bound")
+        );
+    }
+
+    #[test]
+    fn places_are_counted_in_words() {
+        let all = [1, 2, 3, 4, 11, 12, 13, 21, 102].map(ordinal);
+        assert_eq!(all, ["1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st", "102nd"]);
+    }
 }

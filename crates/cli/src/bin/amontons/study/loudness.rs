@@ -258,8 +258,16 @@ fn unranked(row: &Row) -> String {
 }
 
 fn print_motion(place: usize, motion: &FoundMotion, found: &Found) {
-    let leads = |row: &&Row| row.attempts.iter().any(|attempt| attempt.motion == Some(place));
-    let names: Vec<String> = found.rows.iter().filter(leads).map(|row| row.way.name()).collect();
+    let leads = |row: &Row| {
+        let attempt = row.attempts.iter().find(|attempt| attempt.motion == Some(place))?;
+        let push = if found.grows {
+            String::new()
+        } else {
+            format!(" pushed by {} m/s", four(attempt.push))
+        };
+        Some(format!("{}{push}", row.way.name()))
+    };
+    let names: Vec<String> = found.rows.iter().filter_map(leads).collect();
     let FoundMotion { ending, measured, nearest } = motion;
     let kind = match ending.kind {
         Kind::Equilibrium => "rest",
