@@ -273,7 +273,7 @@ mod tests {
     fn ranks_that_agree_and_motions_of_which_nothing_is_known_are_told() {
         let motions =
             vec![motion(Kind::Periodic, 100.0, 0.1, 3), motion(Kind::Periodic, 200.0, 0.3, 5)];
-        let agree = found(&[(3, 1.0, Some(0)), (5, 9.0, Some(1))], motions.clone());
+        let agree = found(&[(3, 1.0, Some(0)), (5, 9.0, Some(1))], motions);
         assert_eq!(said(&agree), ["the ranks agree: what grows faster leads to a louder motion"]);
         let rest = motion(Kind::Unbounded, 0.0, 0.0, 1);
         let unknown = found(&[(3, 1.0, None), (5, 9.0, Some(0))], vec![rest]);

@@ -168,6 +168,7 @@ fn print(
             counted(count, "growing mode", "growing modes"),
             four(push)
         ),
+        (false, 0) if ways.unexamined.is_some() => say!("no mode of uniform sliding grows"),
         (false, 0) => say!("no mode of uniform sliding grows, and there is no candidate to push"),
         (false, count) => say!(
             "no mode of uniform sliding grows; {} for a second motion, pushed along the growing mode of another contact state",
@@ -176,10 +177,12 @@ fn print(
     }
     match ways.unexamined {
         Some(Unexamined::Contacts(contacts)) => {
-            say!("candidates were not looked for: {contacts} contacts have too many contact states")
+            say!(
+                "candidates were not looked for: {contacts} contacts have too many contact states"
+            );
         }
         Some(Unexamined::Candidates(left)) => say!(
-            "the other {left} were not pushed, since they need more energy; --candidates {} includes them",
+            "{left} more candidates were not pushed, those that need the most energy; --candidates {} includes them",
             ways.ways.len() + left
         ),
         None => {}
