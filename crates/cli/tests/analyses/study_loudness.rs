@@ -143,7 +143,7 @@ fn the_growing_mode_of_set_1_leads_to_a_motion_with_the_frequency_of_another_mod
     let [row] = &found.rows[..] else { panic!("{found:?}") };
     assert!((row.way.frequency - 219.4).abs() < 0.1 && row.way.growth_rate > 0.0);
     let motion = &found.motions[row.attempt().motion.unwrap()];
-    assert_eq!(motion.ending.kind, Kind::QuasiPeriodic);
+    assert!(motion.ending.kind.is_cycle() && motion.ending.kind != Kind::Periodic);
     let nearest = motion.nearest.as_ref().unwrap();
     assert!(!nearest.modes.contains(&row.way.number) && nearest.growth_rate < 0.0, "{nearest:?}");
     let measured = motion.measured.as_ref().unwrap();

@@ -201,6 +201,42 @@ mod tests {
         }
     }
 
+    /// One mode turns three times as often as the other, so that their products have no mean.
+    #[test]
+    fn two_modes_share_a_motion_as_their_kinetic_energies() {
+        let mut scene = builtin("set2").unwrap().scene();
+        scene.friction_coefficient = 0.3;
+        let here = Linearised::of(&scene);
+        let modal = ModalShares::of(&here).unwrap().unwrap();
+        let states = here.uniform_sliding().unwrap();
+        let found = modes(here.linear().unwrap(), &states).unwrap();
+        let (slow, fast) = (&found.oscillating[0], &found.oscillating[3]);
+        let mut course = modal.course(64);
+        let mut energies = [0.0; 2];
+        for row in 1..=64_u32 {
+            let turn = |turns: f64, size: f64| {
+                Complex::from_polar(size, turns * TAU * f64::from(row) / 64.0)
+            };
+            let parts = [(slow, turn(1.0, 3e-3)), (fast, turn(3.0, 1e-3))];
+            let (mut x, mut v) = (vec![0.0; 8], vec![0.0; 8]);
+            for ((mode, turn), energy) in parts.into_iter().zip(&mut energies) {
+                for (dof, u) in mode.shape.iter().enumerate() {
+                    let velocity = (turn * mode.eigenvalue * u).re;
+                    x[dof] += (turn * u).re;
+                    v[dof] += velocity;
+                    *energy += here.model().mass.get(dof, dof) * velocity * velocity;
+                }
+            }
+            course.note(u64::from(row), &x, &v);
+        }
+        let shares = course.shares();
+        for (number, energy) in [1, 4].into_iter().zip(energies) {
+            let share = shares.iter().find(|share| share.modes.contains(&number)).unwrap().share;
+            let expected = energy / energies.iter().sum::<f64>();
+            assert!((share - expected).abs() < 1e-9, "{number}: {share} {expected}");
+        }
+    }
+
     #[test]
     fn of_two_modes_that_are_not_told_apart_the_growing_one_is_meant() {
         let share = |number, frequency, growth_rate| ModeShare {
