@@ -144,7 +144,8 @@ mod tests {
 
     #[test]
     fn both_sides_of_a_contact_have_its_normal() {
-        let text = "slider = { velocity = 0.1, angle = 0.0 }\nfriction = { coefficient = 0.4 }\n\
+        let text = "integrator = { method = \"event-driven\", step = 1e-2 }\n\
+                    slider = { velocity = 0.1, angle = 0.0 }\nfriction = { coefficient = 0.4 }\n\
                     mass = [{ name = \"pad\", mass = 1.0, force = [0.0, -10.0] }, { name = \"disc\", mass = 2.0 }]\n\
                     spring = [{ name = \"a\", between = [\"pad\", \"ground\"], direction = \"x\", stiffness = 1.0 },\n\
                     { name = \"b\", between = [\"disc\", \"ground\"], direction = \"x\", stiffness = 1.0 },\n\
