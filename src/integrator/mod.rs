@@ -404,6 +404,12 @@ pub trait Integrator: Send {
         None
     }
 
+    /// The work of friction on the masses at each contact since the integrator was made, J; `None` if the integrator writes no
+    /// ledger.
+    fn friction_work(&self) -> Option<&[f64]> {
+        None
+    }
+
     /// Reserves memory for `_count` waves of a drive, before the first step that has them.
     fn expect_waves(&mut self, _count: usize) {}
 

@@ -133,6 +133,10 @@ impl Integrator for WithVisits {
         Some(&self.log)
     }
 
+    fn friction_work(&self) -> Option<&[f64]> {
+        self.integrator.friction_work()
+    }
+
     fn expect_waves(&mut self, count: usize) {
         self.integrator.expect_waves(count);
     }

@@ -362,6 +362,14 @@ impl Simulation {
         self.integrator.visits()
     }
 
+    /// The work of friction on the masses at each contact, J, counted like the entries of the ledger since the simulation or
+    /// its log of visits was made; `None` unless the scene requests energy. The sum of all contacts is slider − friction of
+    /// [`energy`](Self::energy).
+    #[must_use]
+    pub fn friction_work(&self) -> Option<&[f64]> {
+        self.integrator.friction_work()
+    }
+
     /// Advances to time `target` (s). Inputs are held, except for the contributions of signals: each step uses their
     /// values at its beginning or, for a slider's velocity, at its end.
     ///

@@ -63,6 +63,11 @@ pub trait MotionObserver: Send {
     fn visits(&self) -> Option<&VisitLog> {
         None
     }
+
+    /// The work of friction on the masses at each contact, J, if the observer writes a ledger.
+    fn friction_work(&self) -> Option<&[f64]> {
+        None
+    }
 }
 
 /// The observer that logs contact states.
@@ -98,6 +103,10 @@ impl MotionObserver for (Writer, VisitLog) {
     fn visits(&self) -> Option<&VisitLog> {
         Some(&self.1)
     }
+
+    fn friction_work(&self) -> Option<&[f64]> {
+        self.0.friction_work()
+    }
 }
 
 /// The observer that ignores all events.
@@ -126,6 +135,8 @@ pub(in crate::integrator) struct Writer {
     /// Friction force T of one contact, N, and displacement of its slider relative to the mass, m.
     friction: Polynomial,
     slipped: Polynomial,
+    /// Work of friction on the masses at each contact since the writer was made, J.
+    work: Vec<f64>,
 }
 
 impl Writer {
@@ -139,6 +150,7 @@ impl Writer {
             wave: vec![0.0; model.dofs()],
             friction: [0.0; ORDER + 1],
             slipped: [0.0; ORDER + 1],
+            work: vec![0.0; model.contacts.len()],
         }
     }
 
@@ -231,8 +243,10 @@ impl MotionObserver for Writer {
             for (slipped, carried) in slipped.iter_mut().zip(carried) {
                 *slipped += carried;
             }
-            ledger.slider += integral(friction, carried);
-            ledger.friction += integral(friction, slipped);
+            let [slider, lost] = [carried, slipped].map(|way| integral(friction, way));
+            ledger.slider += slider;
+            ledger.friction += lost;
+            self.work[i] += slider - lost;
         }
     }
 
@@ -245,12 +259,17 @@ impl MotionObserver for Writer {
             let after = [&contact.normal, &contact.tangent].map(|row| row.dot(&motion.velocity));
             let mean = [0, 1].map(|part| 0.5 * (before[part] + after[part]));
             ledger.add_impulses(problem.forces[i], mean, surface[i]);
+            self.work[i] += problem.forces[i][1] * mean[1];
         }
     }
 
     fn sees_hops_end(&mut self, motion: &mut Motion, sign: f64) {
         let Some(ledger) = &mut motion.ledger else { return };
         ledger.impact += sign * half_form(&self.model.mass, &motion.velocity);
+    }
+
+    fn friction_work(&self) -> Option<&[f64]> {
+        Some(&self.work)
     }
 }
 

@@ -810,6 +810,10 @@ impl<W: MotionObserver> Integrator for EventDriven<W> {
         self.observer.visits()
     }
 
+    fn friction_work(&self) -> Option<&[f64]> {
+        self.observer.friction_work()
+    }
+
     fn expect_waves(&mut self, count: usize) {
         self.series.expect_waves(count);
     }

@@ -25,6 +25,8 @@ pub(in crate::integrator) struct WithLedger {
     mean: Vec<f64>,
     /// Impulses of the contacts M (ẋ_{n+1} − ẋ_n) − h (F − C ẋ_n − K x_n) = h Gᵀ λ, N s.
     impulse: Vec<f64>,
+    /// Work of friction on the masses at each contact since the integrator was made, J.
+    work: Vec<f64>,
 }
 
 impl WithLedger {
@@ -37,6 +39,7 @@ impl WithLedger {
             v: zeros(),
             mean: zeros(),
             impulse: zeros(),
+            work: vec![0.0; model.contacts.len()],
         }
     }
 
@@ -72,6 +75,7 @@ impl WithLedger {
             let surface = inputs.slider_velocity[i] - 0.5 * h * inputs.slider_acceleration[i];
             let velocities = directions.map(|direction| direction.dot(&self.mean));
             ledger.add_impulses(impulses, velocities, surface);
+            self.work[i] += impulses[1] * velocities[1];
         }
     }
 }
@@ -109,6 +113,10 @@ impl Integrator for WithLedger {
         response: &mut ConstrainedResponse,
     ) -> Result<(), StepFailure> {
         self.integrator.respond(held, load, response)
+    }
+
+    fn friction_work(&self) -> Option<&[f64]> {
+        Some(&self.work)
     }
 
     fn set_damping(&mut self, damping: Damping) {

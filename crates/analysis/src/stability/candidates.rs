@@ -3,7 +3,7 @@
 
 use super::growth::growth;
 use super::linearised::Linearised;
-use super::locus::{ALL_FREQUENCIES, Crossing, Locus, growing, locus};
+use super::locus::{ALL_FREQUENCIES, Crossing, Locus, Root, growing, locus};
 use super::parallel;
 use super::state_energy::{StateEnergy, state_energy};
 use super::states::StateClasses;
@@ -13,6 +13,7 @@ use amontons::contact::ContactState;
 use amontons::model::{Contact, LumpedModel};
 use amontons::numerics::bisect;
 use amontons::scene::Scene;
+use std::f64::consts::TAU;
 
 /// Bi-stability over a range of µ.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,11 +120,7 @@ pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<B
     let steps = (LOOKS / classes.representatives.len() as f64)
         .floor()
         .clamp(FEWEST_STEPS_OF_A_CLASS, FEWEST_STEPS);
-    // States whose modes are alike need the same where loads are alike, too.
-    let loads_are_alike = here.equilibrium().is_ok_and(|equilibrium| {
-        let forces = &equilibrium.normal_force;
-        forces.iter().all(|force| (force - forces[0]).abs() <= 1e-9 * forces[0].abs())
-    });
+    let loads_are_alike = loads_are_alike(&here);
     let look = |class: usize| {
         watch.check()?;
         let states = &classes.representatives[class];
@@ -163,8 +160,7 @@ pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<B
             });
         }
     }
-    let need = |candidate: &Candidate| candidate.reach.map_or(f64::INFINITY, |reach| reach.energy);
-    candidates.sort_by(|a, b| need(a).total_cmp(&need(b)).then(a.range[0].total_cmp(&b.range[0])));
+    sort(&mut candidates);
     let widest = stable.iter().map(|[from, to]| (to - from) / steps).fold(0.0, f64::max);
     Ok(Bistability {
         range: [first, last],
@@ -175,6 +171,68 @@ pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<B
         candidates,
         widest,
     })
+}
+
+/// The candidates at the friction of a scene alone, as those of [`bistability`]: modes of other states that grow, each with a
+/// range that has only this µ. No mode of uniform sliding grows here. The watch receives the part of the classes of states that
+/// are done, and can end the analysis.
+///
+/// # Errors
+/// Returns the errors of [`bistability`].
+pub fn candidates_at(scene: &Scene, watch: Watch<'_>) -> Result<Vec<Candidate>, Error> {
+    let mu = scene.friction_coefficient;
+    let here = Linearised::of(scene);
+    here.equilibrium()?;
+    let uniform_state = here.uniform_sliding()?;
+    let classes = StateClasses::of(here.model())?;
+    let loads_are_alike = loads_are_alike(&here);
+    let count = classes.representatives.len();
+    let look = |class: usize| {
+        watch.check()?;
+        let states = &classes.representatives[class];
+        if *states == uniform_state {
+            return Ok(Vec::new());
+        }
+        let growing = growing(here.linear()?, states)?;
+        if growing.is_empty() {
+            return Ok(Vec::new());
+        }
+        let members: Vec<&Vec<ContactState>> =
+            if loads_are_alike { vec![states] } else { classes.members(class).collect() };
+        let (states, reach) = least_reach(&|_| here.clone(), [mu; 2], &members)?;
+        let alike = classes.members(class).count();
+        let of_root = |root: Root| {
+            let frequency_hz = root.lambda.im / TAU;
+            Candidate {
+                states: states.clone(),
+                alike,
+                range: [mu; 2],
+                begins: false,
+                frequency_hz,
+                at_end: [frequency_hz, root.lambda.re],
+                reach,
+            }
+        };
+        Ok(growing.into_iter().map(of_root).collect())
+    };
+    let found = parallel::collect(count, &look, &watch.parts(count))?;
+    let mut candidates: Vec<Candidate> = found.into_iter().flatten().collect();
+    sort(&mut candidates);
+    Ok(candidates)
+}
+
+/// `true` if all contacts carry the same load at rest: states whose modes are alike then need the same.
+fn loads_are_alike(here: &Linearised) -> bool {
+    here.equilibrium().is_ok_and(|equilibrium| {
+        let forces = &equilibrium.normal_force;
+        forces.iter().all(|force| (force - forces[0]).abs() <= 1e-9 * forces[0].abs())
+    })
+}
+
+/// Sorts candidates by what a motion needs to reach them, then by µ.
+fn sort(candidates: &mut [Candidate]) {
+    let need = |candidate: &Candidate| candidate.reach.map_or(f64::INFINITY, |reach| reach.energy);
+    candidates.sort_by(|a, b| need(a).total_cmp(&need(b)).then(a.range[0].total_cmp(&b.range[0])));
 }
 
 /// Finds the state that is easiest to reach, at the end of a range of µ where that is easiest, and what a motion needs to

@@ -140,7 +140,7 @@ fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Optio
 }
 
 /// Pushes, m/s: 1, 3, 10, 30, … times the least one.
-fn pushes(least: f64, scene: &Scene) -> Vec<f64> {
+pub(super) fn pushes(least: f64, scene: &Scene) -> Vec<f64> {
     let model = LumpedModel::from(scene);
     let speed = |contact: &Contact| contact.surface_velocity.abs();
     let fastest = model.contacts.iter().map(speed).fold(0.0, f64::max);
@@ -156,7 +156,7 @@ fn pushes(least: f64, scene: &Scene) -> Vec<f64> {
 /// The velocities of the candidate's growing mode, the largest 1, in the sense that brings contacts into the state: along
 /// the surface's velocity where they are to stick, off the surface where they are to open, and towards it where those that
 /// are open at rest are to close. `None` where the mode does not grow here.
-fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, Error> {
+pub(super) fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, Error> {
     let here = Linearised::of(scene);
     let found = modes(here.linear()?, &candidate.states)?;
     let miss = |frequency: f64| (frequency - candidate.frequency_hz).abs();

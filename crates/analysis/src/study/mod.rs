@@ -23,6 +23,7 @@
 //! | `strobe` | states of a run at the ends of its drive's periods |
 //! | `transient` | growth and decay of one run, band by band, beside eigenvalues |
 //! | `attractor` | comparison of endings |
+//! | `loudness` | growth of modes beside the loudness of the motions that they lead to |
 //! | `initial` | runs from other initial values |
 //! | `perturbation` | endings of perturbations, and the thresholds between |
 //! | `basin` | attractors of the points of a plane of initial values |
@@ -45,6 +46,7 @@ mod initial;
 mod limit_cycle;
 mod linear;
 mod long_term;
+pub mod loudness;
 mod observation;
 mod orbit;
 mod period;

@@ -5,5 +5,6 @@ pub mod branches;
 pub mod continuation;
 mod kinds;
 pub mod limit_cycle;
+pub mod loudness;
 pub mod perturbation;
 pub mod transient;

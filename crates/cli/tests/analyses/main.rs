@@ -18,6 +18,7 @@ mod structures;
 mod study_basin;
 mod study_continuation;
 mod study_limit_cycle;
+mod study_loudness;
 mod study_orbit;
 mod study_perturbation;
 mod sweep;

@@ -45,6 +45,12 @@ const PERTURBATION: Shared = Shared {
     merge: &["study", "merge", "out"],
 };
 
+const LOUDNESS: Shared = Shared {
+    program: AMONTONS,
+    arguments: &["study", "loudness", "set2", "--set=friction.coefficient=1.96"],
+    merge: &["study", "merge", "out"],
+};
+
 const BASIN: Shared = Shared {
     program: AMONTONS,
     arguments: &[
@@ -211,6 +217,11 @@ fn workers_that_share_a_limit_cycle_study_have_the_bytes_of_one_machine() {
 fn workers_that_share_a_perturbation_study_have_the_bytes_of_one_machine() {
     let files = ["histories.png", "perturbation.png", "results.csv", "study.json"];
     PERTURBATION.assert_shared(&files, 2..=9);
+}
+
+#[test]
+fn workers_that_share_the_loudness_of_candidates_have_the_bytes_of_one_machine() {
+    LOUDNESS.assert_shared(&["loudness.svg", "results.csv", "study.json"], 1..=1);
 }
 
 #[test]

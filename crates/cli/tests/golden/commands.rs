@@ -88,6 +88,7 @@ pub const COMMANDS: [(&str, &[Command]); 4] = [
             ("amontons study continuation --help", 5, whole),
             ("amontons study limit-cycle --help", 5, whole),
             ("amontons study transient --help", 5, whole),
+            ("amontons study loudness --help", 5, whole),
             ("amontons study perturbation --help", 5, whole),
             ("amontons study basin --help", 5, whole),
             ("amontons study merge --help", ALL, whole),

@@ -2,6 +2,7 @@
 
 use super::basin::Basin;
 use super::limit_cycle::LimitCycle;
+use super::loudness::Loudness;
 use super::perturbation::Perturbation;
 use crate::arguments::{Integrator, positive};
 use amontons_analysis::study::ObservationRequest;
@@ -18,6 +19,12 @@ pub enum Study {
     /// Amplitude, frequency and contact states of limit cycles over a parameter, and the values at which they change
     /// (Fig. 3)
     LimitCycle(LimitCycle),
+    /// Growth rates of modes beside the loudness of the motions that they lead to
+    ///
+    /// Each growing mode of uniform sliding starts a motion, which is followed until it has settled and is measured:
+    /// velocities, powers, contact states. Where no mode grows, candidates for a second motion are pushed. The study writes
+    /// results.csv (a row for each mode), study.json and a picture.
+    Loudness(Loudness),
     /// One periodic motion, stable or not: its period, its events, its Floquet multipliers
     ///
     /// The motion is solved for by Newton's method, not waited for. The study writes results.csv (the events of one

@@ -7,6 +7,7 @@ mod branches;
 mod continuation;
 mod folder;
 mod limit_cycle;
+mod loudness;
 mod merge;
 pub mod orbit;
 mod perturbation;
@@ -33,6 +34,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Transient(arguments) => transient::run(arguments),
         Study::Basin(arguments) => basin::run(arguments),
         Study::Perturbation(arguments) => perturbation::run(arguments),
+        Study::Loudness(arguments) => loudness::run(arguments),
         Study::Orbit(arguments) => orbit::run(arguments),
         Study::Branches(arguments) => branches::run(arguments),
         Study::Merge(arguments) => merge::run(arguments),
