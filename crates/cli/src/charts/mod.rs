@@ -6,4 +6,5 @@ pub mod continuation;
 mod kinds;
 pub mod limit_cycle;
 pub mod perturbation;
+pub mod robustness;
 pub mod transient;

@@ -10,6 +10,7 @@ mod limit_cycle;
 mod merge;
 pub mod orbit;
 mod perturbation;
+mod robustness;
 mod transient;
 
 use amontons::error::Rounded;
@@ -35,6 +36,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Perturbation(arguments) => perturbation::run(arguments),
         Study::Orbit(arguments) => orbit::run(arguments),
         Study::Branches(arguments) => branches::run(arguments),
+        Study::Robustness(arguments) => robustness::run(arguments),
         Study::Merge(arguments) => merge::run(arguments),
     }
 }
