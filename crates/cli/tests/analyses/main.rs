@@ -17,5 +17,6 @@ mod study_continuation;
 mod study_limit_cycle;
 mod study_orbit;
 mod study_perturbation;
+mod study_robustness;
 mod sweep;
 mod transient;

@@ -283,6 +283,7 @@ fn write(
 fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArguments, found: &Found) {
     let state = arguments.state.as_deref().unwrap_or("uniform sliding");
     let counted = match parameters.len() {
+        0 => "no parameter scatters".to_owned(),
         1 => "1 parameter scatters".to_owned(),
         count => format!("{count} parameters scatter"),
     };
@@ -320,8 +321,14 @@ fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArgument
             say!("  P(growth {range})  {}", percent(&band.unstable));
         }
         if !arguments.no_indices {
-            print_indices("the largest growth rate", parameters, found.of_growth.as_deref());
-            print_indices("instability", parameters, found.of_instability.as_deref());
+            let why = if found.no_equilibrium.value > 0.0 {
+                "draws without equilibrium have none"
+            } else {
+                "it does not vary"
+            };
+            print_indices("the largest growth rate", parameters, found.of_growth.as_deref(), why);
+            let why = "a scrambling has no unstable draw, or no other; more --points may have";
+            print_indices("instability", parameters, found.of_instability.as_deref(), why);
         }
     }
     if let Some(runs) = &found.runs {
@@ -329,11 +336,10 @@ fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArgument
     }
 }
 
-fn print_indices(of: &str, parameters: &[Parameter], indices: Option<&[Index]>) {
+/// Prints the indices of each parameter, or why there are none.
+fn print_indices(of: &str, parameters: &[Parameter], indices: Option<&[Index]>, why: &str) {
     let Some(indices) = indices else {
-        say!(
-            "\nno Sobol indices of {of}: it does not vary in each scrambling, or is not defined at each point"
-        );
+        say!("\nno Sobol indices of {of}: {why}");
         return;
     };
     say!("\nSobol indices of {of}, parts of its variance");
