@@ -58,7 +58,7 @@ const K2: f64 = 20.0;
 const K3: f64 = 20.0;
 
 /// µ from which on the two modes grow: (k12 + (k11 − k22)² / (4 k12)) / k3, as (k11 − k22)² + 4 k12 (k12 − µ k3) = 0 says
-/// (Hoffmann et al., Shock and Vibration 9, 2002).
+/// (Hoffmann et al., Mech. Res. Commun. 29, 2002).
 fn critical() -> f64 {
     // Springs at 30° and 150°.
     let (k11, k22) = (0.75 * (K1 + K2), 0.25 * (K1 + K2) + K3);
