@@ -1,5 +1,8 @@
 //! The normal distribution, with the same doubles on every machine.
 
+// The factors are written as they are printed.
+#![allow(clippy::excessive_precision)]
+
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// The probability that a standard normal value is below `x`.

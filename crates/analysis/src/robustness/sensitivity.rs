@@ -88,6 +88,9 @@ pub enum Role {
     Exchange,
 }
 
+/// Several results at a point, each of which may be undefined there.
+type Results<const N: usize> = Result<[Option<f64>; N], Error>;
+
 /// The sums of several results of `f` over the points of these numbers; a result's sums are `None` if it is not defined at
 /// one of the points. `points` have twice as many coordinates as f.
 ///
@@ -97,7 +100,7 @@ pub fn sums_over<const N: usize>(
     points: &Scrambled<'_>,
     dimensions: usize,
     numbers: Range<u64>,
-    f: &mut dyn FnMut(Role, &[f64]) -> Result<[Option<f64>; N], Error>,
+    f: &mut dyn FnMut(Role, &[f64]) -> Results<N>,
 ) -> Result<[Option<Sums>; N], Error> {
     let mut sums: [Option<Sums>; N] = std::array::from_fn(|_| Some(Sums::default()));
     let mut exchanged = vec![[None; N]; dimensions];

@@ -276,7 +276,7 @@ mod tests {
         assert!(
             note.starts_with("normal(4,1) of module[1].k6 is cut off") && note.ends_with("3.17e-5")
         );
-        let mut long = scene.clone();
+        let mut long = scene;
         let module = long.modules()[0];
         long.modules_mut().resize(129, module);
         let error = of(&long, &["module[*].k6=uniform(±1%)"]).unwrap_err().to_string();
