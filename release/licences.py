@@ -7,12 +7,14 @@ from pathlib import Path
 import tools
 
 NOTES = tools.ROOT / "licenses"
+# A table whose head has its licence, as a comment.
+DIRECTIONS = tools.ROOT / "crates/analysis/src/robustness/joe_kuo.txt"
 # What licence files are called: how their names begin.
 NAMES = tuple((NOTES / "names.txt").read_text().split())
 HEAD = """\
 Amontons itself is under MIT or Apache-2.0. Its programs, and the libraries that FMUs bring, also contain the crates below
-(https://crates.io), Rust's standard library and parts of compilers' run-time libraries, whose notes come last. A licence's
-text follows the names of those that come with it.
+(https://crates.io), Rust's standard library, parts of compilers' run-time libraries and a table of direction numbers, whose
+notes come last. A licence's text follows the names of those that come with it.
 """
 
 
@@ -26,6 +28,9 @@ def third_party(target):
     listed = "".join(f"  {name}: {terms}\n" for name, _, terms, _ in crates)
     parts = [f"{', '.join(dict.fromkeys(users))}\n\n{text}\n" for text, users in names.items()]
     parts += [(NOTES / note).read_text() for note in ["RUST.txt", "RUNTIMES.txt"]]
+    lines = [line.removeprefix("#").strip() for line in DIRECTIONS.read_text().splitlines() if line.startswith("#")]
+    # The last line names the columns.
+    parts.append("\n".join(lines[:-1]).strip() + "\n")
     return HEAD + "\n" + listed + "".join(f"\n{'=' * 80}\n{part}" for part in parts)
 
 

@@ -44,6 +44,7 @@ const PACKAGES: [(&str, &[&str]); 5] = [
             "sweep",
             "orbit",
             "study",
+            "robustness",
         ],
     ),
     (

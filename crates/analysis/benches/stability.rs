@@ -1,4 +1,4 @@
-//! What the stability analysis costs: `cargo bench --bench stability` prints three small tables, all
+//! What the stability analysis costs: `cargo bench --bench stability` prints four small tables, all
 //! from one run, against LAPACK as NumPy and SciPy bring it, on the same problems (`stability_lapack.py`
 //! in the Python environment of the tests, which is made at the first run).
 //!
@@ -6,6 +6,8 @@
 //!   µ each.
 //! * A thousand equal modules in uniform sliding, wave by wave; it must take less than a second.
 //! * All 65,536 contact states of eight equal modules.
+//! * A million draws of Set 1 with scattering parameters, from the values to every eigenvalue; it must take less than a
+//!   minute.
 //!
 //! Each side uses one thread; a time is that of the quickest of several turns, which the two sides
 //! take one after the other, and Python measures its own, without the exchange between the programs.
@@ -17,6 +19,8 @@ use amontons::contact::ContactState;
 use amontons::model::{LinearModel, LumpedModel, ReducedMatrices};
 use amontons::scene::{Scene, builtin};
 use amontons::stability::{Spectrum, eigenvalues};
+use amontons_analysis::journal::Journal;
+use amontons_analysis::robustness::{Design, Uncertain, parameters, robustness, scene_with};
 use amontons_analysis::stability::StateClasses;
 use amontons_analysis::watch::Watch;
 use nalgebra::{Complex, DMatrix};
@@ -37,6 +41,9 @@ const FRICTION: f64 = 1.96;
 const TOLERANCE: f64 = 1e-9;
 /// Eigenvalues nearer to each other than this part of themselves are a cluster.
 const CLUSTER: f64 = 1e-4;
+/// Scramblings and points of a million draws, and what they may take, s.
+const DRAWS: [u64; 2] = [16, 1 << 16];
+const DRAWS_LIMIT: f64 = 60.0;
 /// What a thousand modules may take, s.
 const WAVES_LIMIT: f64 = 1.0;
 
@@ -48,6 +55,7 @@ fn main() {
     one_state(&mut lapack);
     waves(&mut lapack);
     all_states(&mut lapack);
+    draws(&mut lapack);
 }
 
 fn one_state(lapack: &mut Lapack) {
@@ -198,6 +206,58 @@ fn all_states(lapack: &mut Lapack) {
         "  Of {} eigenvalues {} lie in clusters narrower than {CLUSTER:e}, compared by power sums.",
         clustered[1], clustered[0]
     );
+}
+
+fn draws(lapack: &mut Lapack) {
+    let scene = builtin("set1").expect("it is built in").scene();
+    let given = ["friction.coefficient=normal(±10%)", "module[*].k6=uniform(±10%)"];
+    let given = given.map(|text| Uncertain::parse(text).expect("it is a distribution"));
+    let parameters = parameters(&scene, &given).expect("the scene has them");
+    let [scramblings, points] = DRAWS;
+    let count = (scramblings * points) as f64;
+    let has_indices = false;
+    let parameters = &parameters[..];
+    let design = Design {
+        scene: &scene,
+        parameters,
+        state: None,
+        scramblings,
+        points,
+        seed: 1,
+        has_indices,
+    };
+    let all = || robustness(&design, None, &Journal::forgotten(), Watch::IDLE).expect("possible");
+    let whole = seconds(|| drop(black_box(all())));
+    assert!(whole < DRAWS_LIMIT, "a million draws take {whole} s");
+    // Values at probabilities without a common step stand for draws.
+    let case = |i: usize| {
+        let at = |place: usize| (0.5 + i as f64 * [0.618, 0.755, 0.569][place]).fract().max(1e-9);
+        let values: Vec<f64> =
+            parameters.iter().enumerate().map(|(place, one)| one.at(at(place))).collect();
+        let drawn = scene_with(&scene, parameters, &values).expect("it is possible");
+        (vec![ContactState::Slide; 2], LumpedModel::from(&drawn))
+    };
+    let problem = Problem::new((0..20_000).map(case).collect());
+    let theirs = lapack.values("numpy_stack", problem.request());
+    let ours: Vec<_> = problem.operators.iter().map(solve).collect();
+    let apart = assert_values_agree(&ours, &theirs);
+    let [own, numpy] = shortest(
+        10,
+        lapack,
+        [
+            &mut |_| seconds(|| problem.operators.iter().for_each(|a| drop(black_box(solve(a))))),
+            &mut |lapack| lapack.seconds("numpy_stack", problem.request()),
+        ],
+    )
+    .map(|time| 1e6 * time / problem.cases.len() as f64);
+    println!("\n{count} draws of Set 1 with three scattering parameters");
+    println!(
+        "  from the values to P(unstable), on all cores: {whole:.1} s, {:.1} µs a draw",
+        1e6 * whole / count
+    );
+    println!("  eigenvalues of matrices of such draws, µs a matrix, one thread");
+    println!("            Amontons   NumPy, all at once   furthest apart");
+    println!("{own:20.1} {numpy:12.1} = {:.2} × {apart:16.0e}", numpy / own);
 }
 
 fn equal(modules: usize) -> Scene {

@@ -1,7 +1,7 @@
 //! A value of a scene, by its variable's name.
 
 use amontons::Error;
-use amontons::scene::{MissingFeature, Problem, Scene, Shape, Signal, did_you_mean};
+use amontons::scene::{MissingFeature, Problem, Rule, Scene, Shape, Signal, did_you_mean};
 use amontons::simulation::catalogue::Quantity;
 use amontons::simulation::{Parameters, Variable, rule, variables, write_scene};
 use std::collections::HashSet;
@@ -49,11 +49,7 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     let settable: Vec<Variable> =
         variables(scene).into_iter().filter(Variable::is_settable).collect();
     if let Some(variable) = settable.iter().find(|variable| variable.name == name) {
-        let rule = match variable.template.quantity {
-            Quantity::SliderAngle => scene.inclination_rule(),
-            _ => rule(variable),
-        };
-        return match rule.broken_by(value) {
+        return match rule_of(scene, variable).broken_by(value) {
             None => write_scene(scene, variable, value),
             Some(wish) => {
                 Err(Error::scene(Problem::new(&*variable.name, wish).of(value).to_string()))
@@ -110,6 +106,15 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
         "there is no parameter or input {name}; there are, for example, {}",
         like.join(", ")
     )))
+}
+
+/// The rule that values of a parameter or input of a scene keep, whatever its other values are.
+#[must_use]
+pub fn rule_of(scene: &Scene, variable: &Variable) -> Rule {
+    match variable.template.quantity {
+        Quantity::SliderAngle => scene.inclination_rule(),
+        _ => rule(variable),
+    }
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@
 //! | [`sweep`] | many runs over the values of a parameter |
 //! | [`orbit`] | periodic motions solved for themselves, with Floquet multipliers |
 //! | [`study`] | endings of a scene: limit cycles, perturbations, branches over µ, basins |
+//! | [`robustness`] | the probability that a scene is unstable, when its parameters scatter |
 //!
 //! All quantities are in SI units.
 
@@ -37,6 +38,7 @@ pub mod output;
 pub mod patterns;
 pub mod record;
 pub mod regions;
+pub mod robustness;
 pub mod spectral;
 pub mod stability;
 mod statistics;

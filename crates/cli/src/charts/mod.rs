@@ -7,4 +7,5 @@ mod kinds;
 pub mod limit_cycle;
 pub mod loudness;
 pub mod perturbation;
+pub mod robustness;
 pub mod transient;

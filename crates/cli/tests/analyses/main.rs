@@ -21,5 +21,6 @@ mod study_limit_cycle;
 mod study_loudness;
 mod study_orbit;
 mod study_perturbation;
+mod study_robustness;
 mod sweep;
 mod transient;

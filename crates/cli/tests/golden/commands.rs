@@ -91,6 +91,7 @@ pub const COMMANDS: [(&str, &[Command]); 4] = [
             ("amontons study loudness --help", 5, whole),
             ("amontons study perturbation --help", 5, whole),
             ("amontons study basin --help", 5, whole),
+            ("amontons study robustness --help", ALL, whole),
             ("amontons study merge --help", ALL, whole),
             ("amontons check --help", 20, whole),
             ("amontons scenes --help", ALL, whole),

@@ -29,8 +29,9 @@ pub struct CriticalFriction {
     pub is_merging: bool,
     /// Number of modes that do so at once.
     pub copies: usize,
-    /// The parameters with ∂µ/∂p of this µ, per unit of the parameter: as many values as copies, the largest first.
-    pub derivatives: Vec<(Parameter, Vec<f64>)>,
+    /// The parameters with ∂µ/∂p of this µ, per unit of the parameter: as many values as copies, the largest first. Or the
+    /// reason why there are none.
+    pub derivatives: Result<Vec<(Parameter, Vec<f64>)>, Error>,
 }
 
 /// The common friction coefficients between two values at which modes with frequencies between two bounds (Hz) of a contact
@@ -68,15 +69,29 @@ pub fn critical_friction(
             apart.push(crossing);
         }
     }
-    collect(apart.len(), &|i| of_crossing(&with(apart[i].value)?, states, apart[i]), &|_| {})
+    collect(apart.len(), &|i| Ok(of_crossing(&with(apart[i].value)?, states, apart[i])), &|_| {})
 }
 
-/// The derivatives of a critical µ; the scene has this µ.
-fn of_crossing(
+/// A critical µ with its derivatives; the scene has this µ.
+fn of_crossing(scene: &Scene, states: &[ContactState], crossing: Crossing) -> CriticalFriction {
+    let found = derivatives_of(scene, states, crossing);
+    let copies = found.iter().flat_map(|(_, all)| all.first()).map(|it| it.1.len()).next();
+    CriticalFriction {
+        value: crossing.value,
+        frequency_hz: crossing.frequency_hz,
+        becomes_unstable: crossing.becomes_unstable,
+        is_merging: found.as_ref().is_ok_and(|found| found.0),
+        copies: copies.unwrap_or(1),
+        derivatives: found.map(|found| found.1),
+    }
+}
+
+/// `true` if two modes merge at a critical µ, and its derivatives.
+fn derivatives_of(
     scene: &Scene,
     states: &[ContactState],
     crossing: Crossing,
-) -> Result<CriticalFriction, Error> {
+) -> Result<(bool, Vec<(Parameter, Vec<f64>)>), Error> {
     let here = Linearised::of(scene);
     let state = StateDerivatives::of(&here, states)?;
     let all: Vec<Complex<f64>> =
@@ -110,17 +125,10 @@ fn of_crossing(
         || derivatives.iter().any(|it| it.1.is_empty())
     {
         return Err(Error::analysis(format!(
-            "the critical friction coefficient {} has no derivatives: the growth rate of the mode at {:.4} Hz only touches \
-             zero there, or it merges with others in a way that is not resolved",
-            crossing.value, crossing.frequency_hz
+            "the growth rate of the mode at {:.4} Hz only touches zero there, or it merges with others in a way that is not \
+             resolved",
+            crossing.frequency_hz
         )));
     }
-    Ok(CriticalFriction {
-        value: crossing.value,
-        frequency_hz: crossing.frequency_hz,
-        becomes_unstable: crossing.becomes_unstable,
-        is_merging: merging.is_some(),
-        copies: derivatives.first().map_or(one.copies, |it| it.1.len()),
-        derivatives,
-    })
+    Ok((merging.is_some(), derivatives))
 }

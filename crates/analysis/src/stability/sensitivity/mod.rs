@@ -95,6 +95,8 @@ pub struct Merging {
     pub distance: f64,
     /// `true` if the two merge; `false` if damping keeps them apart, so that they only come near each other.
     pub is_exact: bool,
+    /// `true` if the common eigenvalue is real: the mode merges with its conjugate and ceases to oscillate.
+    pub is_real: bool,
     /// The common eigenvalue there, 1/s.
     pub eigenvalue: Complex<f64>,
     /// ∂µ/∂p of this µ by each parameter, the largest first: one for each copy; none for µ itself.
@@ -331,6 +333,7 @@ impl<'a> StateDerivatives<'a> {
                 friction,
                 distance: (friction - start).hypot(point.change.im),
                 is_exact: point.change.im.abs() <= EXACT * start,
+                is_real: point.eigenvalue.im.abs() <= 1e-6 * shapes::size(&there.matrices),
                 eigenvalue: point.eigenvalue,
                 derivatives,
             });

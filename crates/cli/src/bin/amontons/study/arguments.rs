@@ -45,6 +45,11 @@ pub enum Study {
     Perturbation(Perturbation),
     /// Basins of attraction in a plane of two initial values
     Basin(Basin),
+    /// The probability that a scene is unstable when its parameters scatter, and which of them it is due to
+    ///
+    /// Draws are points of scrambled Sobol nets. The study writes results.csv (probabilities and Sobol indices, with intervals of
+    /// 95 %), histogram.csv (the largest growth rate), study.json and pictures; with --pushes also runs.csv.
+    Robustness(super::robustness::RobustnessArguments),
     /// Put the pieces of all workers of a study together (--shard), tell what is missing, or write the results
     ///
     /// It may be run at any time and any number of times, while workers run or after they were killed, in the folder in

@@ -11,6 +11,7 @@ mod loudness;
 mod merge;
 pub mod orbit;
 mod perturbation;
+mod robustness;
 mod transient;
 
 use amontons::error::Rounded;
@@ -37,6 +38,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Loudness(arguments) => loudness::run(arguments),
         Study::Orbit(arguments) => orbit::run(arguments),
         Study::Branches(arguments) => branches::run(arguments),
+        Study::Robustness(arguments) => robustness::run(arguments),
         Study::Merge(arguments) => merge::run(arguments),
     }
 }

@@ -1,0 +1,256 @@
+//! The probability that a scene squeals after a push: runs of draws, each until its motion has settled.
+//!
+//! A run starts at rest in the equilibrium of its draw. The push is a velocity in a random direction: each degree of freedom
+//! along which no contact opens gets a normal draw over √m, so that all have the same kinetic energy on average, and the
+//! largest velocity is that of the push. Draws of runs are independent, so shares have an exact interval.
+
+use super::distribution::Draws;
+use super::interval::{Estimate, of_share};
+use super::normal::quantile;
+use super::sobol::random;
+use super::uncertain::{Parameter, scene_with};
+use crate::journal::Journal;
+use crate::stability::parallel::collect;
+use crate::study::{Kind, Prepare, run_to_steady_state};
+use crate::watch::Watch;
+use amontons::Error;
+use amontons::model::LumpedModel;
+use amontons::numerics::max_norm;
+use amontons::scene::Scene;
+use amontons::simulation::Simulation;
+use serde::{Deserialize, Serialize};
+
+/// Places of the numbers that a run draws.
+const VALUES: u64 = 1;
+const VELOCITY: u64 = 2;
+const DIRECTION: u64 = 3;
+
+/// Runs of a scene after pushes.
+pub struct Pushes<'a> {
+    /// The scene whose parameters scatter, without signals.
+    pub scene: &'a Scene,
+    /// The parameters that scatter; there may be none.
+    pub parameters: &'a [Parameter],
+    /// The largest velocity of a push, m/s.
+    pub velocity: &'a Draws,
+    /// Gives each draw its method and step, and the settings with which its motion is observed.
+    pub prepare: Prepare<'a>,
+    /// Number of runs, at least one.
+    pub runs: u64,
+    /// The seed of all draws.
+    pub seed: u64,
+}
+
+/// How a run ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// The motion rests or decays to rest.
+    Rests,
+    /// The motion goes on for ever, or grows without bound.
+    Squeals,
+    /// The motion had not settled, or is a linear one that nothing damps.
+    NotSettled,
+    /// There is no equilibrium in which the run could start.
+    NoEquilibrium,
+    /// The run failed.
+    Failed,
+}
+
+impl End {
+    /// Name of the end in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rests => "rests",
+            Self::Squeals => "squeals",
+            Self::NotSettled => "not settled",
+            Self::NoEquilibrium => "no equilibrium",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// One run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PushedRun {
+    /// The largest velocity of the push, m/s.
+    pub push: f64,
+    /// Its end.
+    pub end: End,
+    /// The kind of motion in which it ends.
+    pub kind: Option<Kind>,
+    /// The strongest frequency of a motion that goes on, Hz.
+    pub frequency: Option<f64>,
+    /// The reason of a failure.
+    pub failure: Option<String>,
+}
+
+/// What the runs show.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Squeals {
+    /// The part of the runs that squeal; the interval has those runs whose end is unknown as squeals at its upper end, and
+    /// not at its lower one.
+    pub probability: Estimate,
+    /// The part of the runs that squeal or whose end is unknown.
+    pub at_most: f64,
+    /// The runs in order.
+    pub runs: Vec<PushedRun>,
+}
+
+impl Squeals {
+    /// Number of runs with this end.
+    #[must_use]
+    pub fn count(&self, end: End) -> u64 {
+        self.runs.iter().filter(|run| run.end == end).count() as u64
+    }
+}
+
+/// The probability that a scene squeals after a push. `None` if the watch ended the work: finished runs are in the
+/// journal.
+///
+/// # Errors
+/// Returns an error if a draw is impossible, if each degree of freedom lies along a contact's normal, or if the journal cannot be
+/// written. A run that fails is counted as such.
+#[allow(clippy::cast_precision_loss)]
+pub fn squeals(
+    pushes: &Pushes<'_>,
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Result<Option<Squeals>, Error> {
+    direction(&LumpedModel::from(pushes.scene), pushes.seed, 0)?;
+    let work = |place: usize| {
+        let number = place as u64;
+        journal.piece(&format!("run {}", number + 1), || pushes.run(number, watch))
+    };
+    let count = usize::try_from(pushes.runs).unwrap_or(usize::MAX);
+    let found = collect(count, &work, &watch.parts(count))?;
+    let Some(runs) = found.into_iter().collect::<Option<Vec<PushedRun>>>() else { return Ok(None) };
+    let all = runs.len() as u64;
+    let count = |ends: &[End]| runs.iter().filter(|run| ends.contains(&run.end)).count() as u64;
+    let least = of_share(count(&[End::Squeals]), all);
+    let most = of_share(count(&[End::Squeals, End::NotSettled, End::Failed]), all);
+    let probability = Estimate { high: most.high, ..least };
+    Ok(Some(Squeals { probability, at_most: most.value, runs }))
+}
+
+impl Pushes<'_> {
+    fn run(&self, number: u64, watch: Watch<'_>) -> Result<Option<PushedRun>, Error> {
+        let draw = |what: u64, place: u64| random(self.seed, &[number, what, place]);
+        let values = self.parameters.iter().zip(0..);
+        let values: Vec<f64> =
+            values.map(|(parameter, place)| parameter.at(draw(VALUES, place))).collect();
+        let push = self.velocity.at(draw(VELOCITY, 0));
+        let mut scene = scene_with(self.scene, self.parameters, &values)?;
+        scene.rest();
+        let along = direction(&LumpedModel::from(&scene), self.seed, number)?;
+        let ending = (|| {
+            let observation = (self.prepare)(&mut scene)?;
+            let mut simulation = Simulation::new(scene, 0.0)?;
+            for (dof, part) in along.iter().enumerate().filter(|(_, part)| **part != 0.0) {
+                simulation.push(dof, push * part);
+            }
+            run_to_steady_state(&mut simulation, &observation, &|| watch.is_over())
+        })();
+        let none = PushedRun { push, end: End::Failed, kind: None, frequency: None, failure: None };
+        Ok(match ending {
+            Ok(None) => None,
+            Ok(Some(ending)) => Some(PushedRun {
+                end: match ending.kind {
+                    _ if ending.rests() => End::Rests,
+                    Kind::Unsettled => End::NotSettled,
+                    _ if !ending.is_known() => End::NotSettled,
+                    _ => End::Squeals,
+                },
+                kind: Some(ending.kind),
+                frequency: ending.frequency.filter(|_| !ending.rests()),
+                ..none
+            }),
+            Err(error) if error.is_equilibrium() => {
+                Some(PushedRun { end: End::NoEquilibrium, ..none })
+            }
+            Err(error) => Some(PushedRun { failure: Some(error.to_string()), ..none }),
+        })
+    }
+}
+
+/// A random direction of the velocities of all degrees of freedom, the largest 1.
+fn direction(model: &LumpedModel, seed: u64, number: u64) -> Result<Vec<f64>, Error> {
+    let lifts = |dof: usize| {
+        let mut parts = model.contacts.iter().flat_map(|contact| &contact.normal.0);
+        parts.any(|(touched, part)| *touched == dof && *part != 0.0)
+    };
+    let of = |dof: usize| {
+        if lifts(dof) {
+            return 0.0;
+        }
+        let normal = quantile(random(seed, &[number, DIRECTION, dof as u64]));
+        normal / model.mass.get(dof, dof).sqrt()
+    };
+    let mut along: Vec<f64> = (0..model.dofs()).map(of).collect();
+    let largest = max_norm(&along);
+    if largest == 0.0 {
+        return Err(Error::argument(
+            "the scene cannot be pushed: each degree of freedom lies along a contact's normal; leave out --pushes",
+        ));
+    }
+    along.iter_mut().for_each(|part| *part /= largest);
+    Ok(along)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Distribution;
+    use super::*;
+    use crate::study::{ObservationRequest, ObservationSettings};
+    use amontons::scene::builtin;
+
+    fn found(scene: &Scene, velocity: &str, runs: u64) -> Squeals {
+        let velocity = Distribution::parse(velocity).unwrap();
+        let velocity = velocity.draws(0.0, [0.0, f64::INFINITY]).unwrap();
+        let prepare =
+            |scene: &mut Scene| ObservationSettings::paced(scene, &ObservationRequest::default());
+        let pushes = Pushes {
+            scene,
+            parameters: &[],
+            velocity: &velocity,
+            prepare: &prepare,
+            runs,
+            seed: 1,
+        };
+        squeals(&pushes, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
+    }
+
+    /// Set 2 at µ = 1.96 is stable in sliding, and has a limit cycle beside rest (the paper's Figs. 5 to 7).
+    #[test]
+    fn a_scene_that_is_stable_in_sliding_squeals_after_large_pushes_alone() {
+        let mut scene = builtin("set2").unwrap().scene();
+        scene.friction_coefficient = 1.96;
+        let small = found(&scene, "uniform(0,1e-4)", 4);
+        assert_eq!(small.count(End::Rests), 4, "{small:?}");
+        let large = found(&scene, "uniform(0.2,0.6)", 8);
+        assert!(large.count(End::Squeals) > 0, "{large:?}");
+        let Estimate { low, value, high } = large.probability;
+        assert!(low <= value && value <= large.at_most && large.at_most <= high);
+    }
+
+    #[test]
+    fn a_push_has_no_part_into_a_surface_and_as_much_energy_in_each_degree_of_freedom() {
+        const DRAWS: u64 = 40_000;
+        let model = LumpedModel::from(&builtin("set1").unwrap().scene());
+        let mut sums = vec![0.0; model.dofs()];
+        for number in 0..DRAWS {
+            let along = direction(&model, 1, number).unwrap();
+            assert_eq!(max_norm(&along), 1.0);
+            let energy = |dof: usize| model.mass.get(dof, dof) * along[dof] * along[dof];
+            let all: f64 = (0..along.len()).map(energy).sum();
+            sums.iter_mut().enumerate().for_each(|(dof, sum)| *sum += energy(dof) / all);
+        }
+        let free: Vec<f64> = sums.into_iter().filter(|sum| *sum > 0.0).collect();
+        // Two contacts hold one degree of freedom each. The share of one of six squares of normal draws has the variance 5/144.
+        assert_eq!(free.len(), 6);
+        let (draws, sixth) = (DRAWS as f64, 1.0 / 6.0);
+        let allowed = 4.0 * (5.0 / 144.0 / draws).sqrt();
+        assert!(free.iter().all(|sum| (sum / draws - sixth).abs() < allowed), "{free:?}");
+    }
+}
