@@ -94,6 +94,9 @@ mod tests {
         }
     }
 
+    /// µ, or its slope, of a slip velocity, m/s.
+    type Function = fn(Friction, f64) -> f64;
+
     /// Central differences with Richardson's correction: their error is of the fourth order.
     fn difference(function: impl Fn(f64) -> f64, at: f64) -> f64 {
         let central = |h: f64| (function(at + h) - function(at - h)) / (2.0 * h);
@@ -104,9 +107,9 @@ mod tests {
     fn derivatives_are_the_limits_of_differences() {
         let slope = |friction, slip| (FALLS.friction_by)(friction, slip).speed;
         for slip in [0.03, 0.1, -0.25] {
-            let all: [(&dyn Fn(Friction, f64) -> f64, FrictionDerivatives); 2] = [
-                (&FALLS.friction, (FALLS.friction_by)(FRICTION, slip)),
-                (&slope, (FALLS.slope_by)(FRICTION, slip)),
+            let all: [(Function, FrictionDerivatives); 2] = [
+                (FALLS.friction, (FALLS.friction_by)(FRICTION, slip)),
+                (slope, (FALLS.slope_by)(FRICTION, slip)),
             ];
             for (of, by) in all {
                 let expected = [

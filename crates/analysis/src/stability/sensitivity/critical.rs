@@ -16,6 +16,9 @@ const INTERVALS: u32 = 200;
 /// Without damping a mode begins to grow where it merges with another one; both places are the same to this part of µ.
 const AT_MERGING: f64 = 1e-6;
 
+/// Derivatives of a critical µ by parameters, one for each copy of the mode.
+pub type Derivatives = Vec<(Parameter, Vec<f64>)>;
+
 /// A common friction coefficient µ at which a mode begins or ceases to grow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CriticalFriction {
@@ -31,7 +34,7 @@ pub struct CriticalFriction {
     pub copies: usize,
     /// The parameters with ∂µ/∂p of this µ, per unit of the parameter: as many values as copies, the largest first. Or the
     /// reason why there are none.
-    pub derivatives: Result<Vec<(Parameter, Vec<f64>)>, Error>,
+    pub derivatives: Result<Derivatives, Error>,
 }
 
 /// The common friction coefficients between two values at which modes with frequencies between two bounds (Hz) of a contact
@@ -91,7 +94,7 @@ fn derivatives_of(
     scene: &Scene,
     states: &[ContactState],
     crossing: Crossing,
-) -> Result<(bool, Vec<(Parameter, Vec<f64>)>), Error> {
+) -> Result<(bool, Derivatives), Error> {
     let here = Linearised::of(scene);
     let state = StateDerivatives::of(&here, states)?;
     let all: Vec<Complex<f64>> =
@@ -120,7 +123,7 @@ fn derivatives_of(
     };
     let places = (0..state.parameters.len()).filter(|place| Some(*place) != state.friction);
     let derivatives = places.map(|place| (state.parameters[place].clone(), derivative(place)));
-    let derivatives: Vec<(Parameter, Vec<f64>)> = derivatives.collect();
+    let derivatives: Derivatives = derivatives.collect();
     if derivatives.iter().flat_map(|it| &it.1).any(|by| !by.is_finite())
         || derivatives.iter().any(|it| it.1.is_empty())
     {

@@ -106,7 +106,7 @@ impl Shaped {
         })?;
         let sloped = matrices.slope_times(eigenvalue, &right);
         let weight = left.tr_mul(&sloped);
-        let least = weight.clone().singular_values().min();
+        let least = weight.singular_values().min();
         #[allow(clippy::cast_precision_loss)]
         let rounding = f64::EPSILON * q.nrows() as f64 * largest(&q);
         let most = MOST_ROUNDING * eigenvalue.norm();

@@ -190,7 +190,8 @@ fn where_double_modes_of_a_ring_merge_the_place_has_two_derivatives() {
         assert!(critical.is_merging);
         let of = |module: usize| {
             let name = format!("module[{module}].k5");
-            let (parameter, by) = critical.derivatives.as_ref().unwrap().iter().find(|it| it.0.name == name).unwrap();
+            let (parameter, by) =
+                critical.derivatives.as_ref().unwrap().iter().find(|it| it.0.name == name).unwrap();
             [by[0] * parameter.value, by[1] * parameter.value]
         };
         let first = of(1);
@@ -210,8 +211,13 @@ fn where_double_modes_of_a_ring_merge_the_place_has_two_derivatives() {
     };
     let difference = (place(1e-5) - place(-1e-5)) / 1e-5;
     let critical = all.iter().find(|it| (it.value - 0.708_211).abs() < 1e-5).unwrap();
-    let (parameter, by) =
-        critical.derivatives.as_ref().unwrap().iter().find(|it| it.0.name == "module[1].k5").unwrap();
+    let (parameter, by) = critical
+        .derivatives
+        .as_ref()
+        .unwrap()
+        .iter()
+        .find(|it| it.0.name == "module[1].k5")
+        .unwrap();
     // One of the two places moves; the least is that of the moved one for a stiffer module alone.
     assert!((by[1] * parameter.value - difference).abs() < 1e-3, "{by:?} {difference}");
 }

@@ -186,7 +186,7 @@ impl SensitivityReport<'_> {
 
     /// The effects on a critical µ.
     fn critical_effects(critical: &CriticalFriction) -> Vec<Effect<'_>> {
-        let all = critical.derivatives.iter();
+        let all = critical.derivatives.iter().flatten();
         let all = all.map(|it| Effect::of(&it.0, it.1.iter().map(|value| [*value, 0.0])));
         sorted(all.collect(), critical.value)
     }
@@ -238,10 +238,17 @@ impl SensitivityReport<'_> {
                     format!("a mode {turn}s")
                 },
                 at_frequency(critical.frequency_hz),
-                if critical.is_merging { ", where it merges with another one" } else { "" },
+                if critical.is_merging && critical.frequency_hz > 0.0 {
+                    ", where it merges with another one"
+                } else {
+                    ""
+                },
             )?;
             let head = format!("change of this µ, for +{} % of the parameter", 100.0 * CHANGE);
-            self.print_effects(&Self::critical_effects(critical), &head, None, out)?;
+            match &critical.derivatives {
+                Ok(_) => self.print_effects(&Self::critical_effects(critical), &head, None, out)?,
+                Err(reason) => writeln!(out, "  no derivatives: {reason}")?,
+            }
         }
         if self.critical.as_ref().is_some_and(Vec::is_empty) {
             let bounds = self.frequencies.map_or(String::new(), |[low, high]| {
@@ -330,7 +337,7 @@ impl SensitivityReport<'_> {
         }
         for critical in self.critical.iter().flatten() {
             let head = format!("{:?},0.0,{:?},", critical.frequency_hz, critical.value);
-            for (Parameter { name, value, .. }, all) in &critical.derivatives {
+            for (Parameter { name, value, .. }, all) in critical.derivatives.iter().flatten() {
                 for (copy, by) in (1..).zip(all) {
                     writeln!(out, "critical,{head},{name},{value:?},{copy},{by:?},")?;
                 }
@@ -382,7 +389,7 @@ impl SensitivityReport<'_> {
         });
         let critical = self.critical.as_ref().map(|all| {
             let each = all.iter().map(|critical| {
-                let derivatives = critical.derivatives.iter();
+                let derivatives = critical.derivatives.iter().flatten();
                 let derivatives =
                     derivatives.map(|(parameter, by)| (parameter.name.clone(), json!(by)));
                 json!({
@@ -454,12 +461,11 @@ impl SensitivityReport<'_> {
 /// The place of a merging, as "merges with another mode at µ = 1.2, at a distance of 1e-3".
 fn place(merging: &Merging) -> String {
     let (at, distance) = (significant(merging.friction, 9), significant(merging.distance, 3));
-    let verb =
-        match (merging.is_exact, merging.eigenvalue.im.abs() <= 1e-6 * merging.eigenvalue.norm()) {
-            (true, false) => "merges with another mode",
-            (true, true) => "ceases to oscillate",
-            (false, _) => "comes nearest to another mode",
-        };
+    let verb = match (merging.is_exact, merging.is_real) {
+        (true, false) => "merges with another mode",
+        (true, true) => "begins or ceases to oscillate",
+        (false, _) => "comes nearest to another mode",
+    };
     format!("{verb} at µ = {at}, at a distance of {distance}")
 }
 
