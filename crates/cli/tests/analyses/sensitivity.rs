@@ -1,5 +1,6 @@
 //! Derivatives of eigenvalues beside differences in numbers of 40 digits, of models that `sensitivity.py` assembles.
 
+use crate::parallel::on_each;
 use crate::program::{assert_refused, folder, run, text};
 use crate::python;
 use std::fs;
@@ -68,14 +69,12 @@ fn derivatives_are_the_limits_of_differences_in_forty_digits() {
 #[ignore = "long: all contact states, and double eigenvalues of a ring"]
 fn derivatives_of_all_contact_states_are_the_limits_of_differences() {
     const STATES: [&str; 4] = ["Sl", "R-Sl", "St", "Dt"];
-    for scene in ["set1.toml", "set2.toml", "disc_brake.toml"] {
-        for first in STATES {
-            for second in STATES {
-                let states = &[first, second];
-                Case { scene, states, options: &[], parameters: "all", values: &[] }.compare();
-            }
-        }
-    }
+    let pairs = STATES.iter().flat_map(|first| STATES.map(|second| [*first, second]));
+    let all = ["set1.toml", "set2.toml", "disc_brake.toml"];
+    let all: Vec<_> = pairs.flat_map(|states| all.map(|scene| (scene, states))).collect();
+    on_each(&all, |(scene, states)| {
+        Case { scene, states, options: &[], parameters: "all", values: &[] }.compare();
+    });
     let parameters = "friction.coefficient,damping.beta,module[1].k5,module[3].m2,slider.angle";
     Case {
         scene: "ring12.toml",
