@@ -122,8 +122,11 @@ mod tests {
                     difference(|speed| of(FRICTION, speed), slip.abs()),
                 ];
                 let found = [by.kinetic, by.static_, by.stribeck_velocity, by.speed];
+                // The slope has a largest value over v_s at v_s = |v_r|, where differences leave rounding.
+                let floor = 1e-10 * found.iter().fold(0.0, |most, by| f64::max(most, by.abs()));
                 for (found, expected) in found.iter().zip(expected) {
-                    assert!((found - expected).abs() < 1e-8 * expected.abs(), "{found} {expected}");
+                    let bound = 1e-8 * expected.abs() + floor;
+                    assert!((found - expected).abs() < bound, "{found} {expected}");
                 }
             }
         }

@@ -8,6 +8,7 @@
 
 use super::normal;
 use crate::sweep::range::{ends, number};
+use amontons::decimal::to_significant;
 use std::fmt;
 
 /// The notation of a distribution.
@@ -64,7 +65,7 @@ impl fmt::Display for Distribution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = self.family.name();
         match &self.numbers {
-            Numbers::Part(part) => write!(f, "{name}(±{}%)", 100.0 * part),
+            Numbers::Part(part) => write!(f, "{name}(±{}%)", to_significant(100.0 * part, 14)),
             Numbers::Given(numbers) => match numbers[..] {
                 [first, spread, low, high] => write!(f, "{name}({first},{spread},{low}:{high})"),
                 _ => {

@@ -11,7 +11,7 @@ const APART: f64 = 1.1;
 /// A class of a histogram.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Class {
-    /// Its ends; a value at the upper end belongs to the next class.
+    /// Its ends; a value at the lower end belongs to the class before, so that a growth rate of zero is with the stable ones.
     pub ends: [f64; 2],
     /// The number of values.
     pub count: u64,
@@ -27,15 +27,16 @@ pub fn histogram(values: &[f64]) -> Vec<Class> {
         return Vec::new();
     }
     let width = width(high - low, low.abs().max(high.abs()));
-    let first = (low / width).floor();
-    let count = (high / width).floor() - first + 1.0;
+    let place = |value: f64| (value / width).ceil() - 1.0;
+    let first = place(low);
+    let count = place(high) - first + 1.0;
     let end = |place: f64| (first + place) * width;
     let mut classes: Vec<Class> = (0..count as u64)
         .map(|place| Class { ends: [place as f64, place as f64 + 1.0].map(end), count: 0 })
         .collect();
     let last = classes.len() - 1;
     for value in values {
-        let place = ((value / width).floor() - first) as usize;
+        let place = (place(*value) - first) as usize;
         classes[place.min(last)].count += 1;
     }
     classes
@@ -81,7 +82,11 @@ mod tests {
         assert!(classes.iter().any(|class| class.ends[0] == 0.0));
         let negative: u64 =
             classes.iter().filter(|class| class.ends[1] <= 0.0).map(|class| class.count).sum();
-        assert_eq!(negative, values.iter().filter(|value| **value < 0.0).count() as u64);
+        assert_eq!(negative, values.iter().filter(|value| **value <= 0.0).count() as u64);
+        // Without damping, stable draws have growth rates of exactly zero.
+        let undamped = histogram(&[0.0, 0.0, 0.0, 1.0]);
+        let stable = undamped.iter().filter(|class| class.ends[1] <= 0.0);
+        assert_eq!(stable.map(|class| class.count).sum::<u64>(), 3);
         assert!((20..=45).contains(&classes.len()), "{}", classes.len());
         assert_eq!(histogram(&[2.5; 7]).iter().map(|class| class.count).sum::<u64>(), 7);
         assert_eq!(histogram(&[0.0]).len(), 1);

@@ -80,9 +80,13 @@ fn upper_bound(hits: u64, draws: u64) -> f64 {
     bisect(|p| at_most(hits, draws, p) < tail, [0.0, 1.0])
 }
 
-/// The probability of at most `hits` in so many draws of probability p, above 0 and below 1.
+/// The probability of at most `hits`, fewer than `draws`, in independent draws of probability p, above 0 and below 1.
 #[allow(clippy::cast_precision_loss)]
 fn at_most(hits: u64, draws: u64, p: f64) -> f64 {
+    // The shorter of the two tails is summed.
+    if 2 * hits > draws {
+        return 1.0 - at_most(draws - hits - 1, draws, 1.0 - p);
+    }
     let n = draws as f64;
     let [yes, no] = [libm::log(p), libm::log1p(-p)];
     let choices = libm::lgamma(n + 1.0);

@@ -14,6 +14,8 @@ use serde::Serialize;
 pub const FEWEST_SCRAMBLINGS: u64 = 16;
 /// The most scramblings.
 const MOST_SCRAMBLINGS: u64 = 1024;
+/// Draws are kept in memory: this many take a few gigabytes.
+const MOST_DRAWS: u64 = 1 << 24;
 /// The fewest points of a scrambling.
 const FEWEST_POINTS: u64 = 16;
 /// The most families of frequencies that are told apart.
@@ -68,7 +70,14 @@ pub fn check_size(scramblings: u64, points: u64) -> Result<(), Error> {
         return Err(Error::argument(format!(
             "{points} points are not possible: a net has a power of two; give --points from {FEWEST_POINTS} to \
              {MOST_POINTS}, such as {}",
-            points.next_power_of_two().clamp(FEWEST_POINTS, MOST_POINTS)
+            points.min(MOST_POINTS).next_power_of_two().max(FEWEST_POINTS)
+        )));
+    }
+    if scramblings * points > MOST_DRAWS {
+        return Err(Error::argument(format!(
+            "{scramblings} scramblings of {points} points are {} draws, but at most {MOST_DRAWS} are kept; give fewer --points or \
+             --scramblings",
+            scramblings * points
         )));
     }
     Ok(())

@@ -130,7 +130,10 @@ fn candidates_of_the_stable_sliding_of_set_2_lead_to_its_squeal() {
         assert!(row.attempts.iter().any(|attempt| attempt.ending.as_ref().unwrap().rests()));
     }
     assert!(
-        found.findings.iter().any(|said| said.contains("never take the states Sl-St together"))
+        found
+            .findings
+            .iter()
+            .any(|said| said.contains("not seen to take the states Sl-St together"))
     );
     assert!(found.findings.last().unwrap().contains("lead to the same one"));
 }

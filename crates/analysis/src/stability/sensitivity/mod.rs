@@ -302,7 +302,7 @@ impl<'a> StateDerivatives<'a> {
         });
         let starts = estimates.filter(|start| start.1.norm() <= SEARCHED * scale);
         let found = starts.filter_map(|start| self.search(start, shapes));
-        let found = found.filter(|point| is_within(point) && is_of(point, one.eigenvalue, all));
+        let found = found.filter(|point| is_within(point) && is_of(point, one, all));
         found.min_by(|a, b| a.change.norm().total_cmp(&b.change.norm()))
     }
 
@@ -352,12 +352,13 @@ fn with_friction(here: &Linearised, value: f64) -> Option<amontons::scene::Scene
 }
 
 /// `true` if an eigenvalue is one of the two that merge at a place, among all eigenvalues and their conjugates.
-fn is_of(point: &DoublePoint, eigenvalue: Complex<f64>, all: &[Complex<f64>]) -> bool {
+fn is_of(point: &DoublePoint, one: &Shaped, all: &[Complex<f64>]) -> bool {
     let both = || all.iter().flat_map(|value| [*value, value.conj()]);
     point.pair(-point.change).into_iter().any(|expected| {
         let apart = |value: &Complex<f64>| (value - expected).norm();
         let nearest = both().min_by(|a, b| apart(a).total_cmp(&apart(b)));
-        nearest.is_some_and(|nearest| nearest == eigenvalue || nearest == eigenvalue.conj())
+        let is_one = |value: Complex<f64>| (value - one.eigenvalue).norm() <= one.error;
+        nearest.is_some_and(|nearest| is_one(nearest) || is_one(nearest.conj()))
     })
 }
 

@@ -71,8 +71,8 @@ pub struct Row {
     pub way: Way,
     /// All starts, by size.
     pub attempts: Vec<Attempt>,
-    /// The attempt that stands for all: the first that meets the candidate, else the first that moves on, else the first that
-    /// is decided, else the first.
+    /// The attempt that stands for all: the first with the loudest motion, else the first that moves, else the first that is
+    /// decided, else the first.
     pub chosen: usize,
     /// Place among all rows by growth rate, from 1; rows of equal growth have one place.
     pub growth_rank: usize,
@@ -242,11 +242,17 @@ fn results(
 
 /// The attempt that stands for all ([`Row::chosen`]).
 fn chosen(attempts: &[Attempt], motions: &[FoundMotion]) -> usize {
+    let loudness = |attempt: &Attempt| {
+        let measured = motions[attempt.motion?].measured.as_ref()?;
+        Some(measured.loudest().rms)
+    };
+    let loudest = attempts.iter().filter_map(loudness).fold(0.0, f64::max);
+    let first = |is_such: &dyn Fn(&Attempt) -> bool| attempts.iter().position(is_such);
     let moves = |attempt: &Attempt| {
         attempt.motion.is_some_and(|motion| motions[motion].ending.kind != Kind::Equilibrium)
     };
-    let first = |is_such: &dyn Fn(&Attempt) -> bool| attempts.iter().position(is_such);
-    first(&|attempt| attempt.meets == Some(true))
+    // Attempts that lead to one motion have the loudness of that motion.
+    first(&|attempt| loudness(attempt).is_some_and(|own| own == loudest))
         .or_else(|| first(&moves))
         .or_else(|| first(&|attempt| attempt.motion.is_some()))
         .unwrap_or(0)

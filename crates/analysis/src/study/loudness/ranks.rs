@@ -84,11 +84,12 @@ fn other_mode(row: &Row, found: &Loudness) -> Option<String> {
 
 /// The sentence on a candidate whose contact states no motion takes.
 fn not_met(row: &Row, found: &Loudness) -> Option<String> {
-    let attempt = row.attempt();
-    let moves = found.motions[attempt.motion?].ending.kind.is_cycle();
-    (moves && attempt.meets == Some(false)).then(|| {
+    let moves = found.motions[row.attempt().motion?].ending.kind.is_cycle();
+    let is_met = row.attempts.iter().any(|attempt| attempt.meets == Some(true));
+    let is_candidate = row.way.kind == WayKind::Candidate;
+    (is_candidate && moves && !is_met).then(|| {
         format!(
-            "{}: pushes along it lead to a motion in which contacts never take the states {} together",
+            "{}: pushes along it lead to motions in which contacts were not seen to take the states {} together",
             row.way.name(),
             row.way.states
         )
@@ -103,7 +104,15 @@ fn no_motion(row: &Row, found: &Loudness, observation: &ObservationSettings) -> 
     }
     let Some(motion) = attempt.motion else {
         let ending = attempt.ending.as_ref()?;
-        return Some(if ending.linear {
+        return Some(if ending.rests() {
+            format!("{}, but its motion decays to rest", grows(row, found))
+        } else if ending.linear && ending.kind == Kind::Unsettled {
+            format!(
+                "{name}: the motion still grew after {} s, so its loudness is unknown; a longer --longest or a larger --push \
+                 may show it",
+                Short(observation.longest)
+            )
+        } else if ending.linear {
             format!("{name}: the motion has no size of its own, and its loudness is unknown")
         } else {
             format!(
@@ -116,7 +125,7 @@ fn no_motion(row: &Row, found: &Loudness, observation: &ObservationSettings) -> 
         Kind::Equilibrium if row.way.kind == WayKind::Candidate => Some(format!(
             "{name}: every push came to rest; no loud motion was found here, which does not exclude one"
         )),
-        Kind::Equilibrium => Some(format!("{}, but its motion comes to rest", grows(row, found))),
+        Kind::Equilibrium => Some(format!("{}, but its motion decays to rest", grows(row, found))),
         Kind::Unbounded => Some(format!(
             "{name}: the motion grows without bound, since nothing in the scene limits it; it has no loudness"
         )),
@@ -124,40 +133,56 @@ fn no_motion(row: &Row, found: &Loudness, observation: &ObservationSettings) -> 
     }
 }
 
-/// The sentences on ranks.
+/// The sentences on ranks: pairs of which one grows faster and leads to a quieter motion.
 fn ranks(found: &Loudness) -> Vec<String> {
-    let ranked: Vec<&Row> = found.rows.iter().filter(|row| row.loudness_rank.is_some()).collect();
-    let mut motions: Vec<usize> = ranked.iter().filter_map(|row| row.attempt().motion).collect();
+    let loudness = |row: &Row| {
+        let measured = found.motions[row.attempt().motion?].measured.as_ref()?;
+        Some((measured.loudest().rms, measured.rms_error.max(EQUAL)))
+    };
+    let ranked: Vec<(&Row, (f64, f64))> =
+        found.rows.iter().filter_map(|row| Some((row, loudness(row)?))).collect();
+    let moving = |motion: &usize| found.motions[*motion].measured.is_some();
+    let reached = ranked.iter().flat_map(|(row, _)| &row.attempts);
+    let mut motions: Vec<usize> =
+        reached.filter_map(|attempt| attempt.motion).filter(moving).collect();
     motions.sort_unstable();
     motions.dedup();
     match (ranked.len(), motions.len()) {
         (0 | 1, _) => return Vec::new(),
         (ways, 1) => {
             let kind = if found.grows { "growing modes" } else { "candidates" };
+            let rates: Vec<f64> = ranked.iter().map(|(row, _)| row.way.growth_rate).collect();
+            let differ = rates.iter().any(|rate| place(*rate, &rates) > 1);
+            let and =
+                if differ { ": their growth rates differ, its loudness does not" } else { "" };
             return vec![format!(
-                "all {ways} {kind} with a settled motion lead to the same one: their growth rates differ, its loudness does not"
+                "all {ways} {kind} with a settled motion lead to the same one{and}"
             )];
         }
         _ => {}
     }
-    let weakest = ranked.iter().filter_map(|row| row.loudness_rank).max().unwrap_or(1);
     let mut said = Vec::new();
-    for row in &ranked {
-        let Some(loud) = row.loudness_rank else { continue };
-        let tells =
-            row.growth_rank != loud && (row.growth_rank == 1 || loud == 1 || loud == weakest);
-        if tells {
-            let motion = match loud {
-                1 => "the loudest".to_owned(),
-                last if last == weakest => "the weakest".to_owned(),
-                place => format!("only the {} loudest", ordinal(place)),
-            };
-            let but = if loud < row.growth_rank { "and yet" } else { "but" };
-            said.push(format!("{}, {but} its motion is {motion}", grows(row, found)));
+    for (row, (own, error)) in &ranked {
+        let is_louder = |other: &&(&Row, (f64, f64))| {
+            let (way, (rms, other_error)) = **other;
+            row.way.growth_rate > way.way.growth_rate * (1.0 + EQUAL)
+                && *own < rms * (1.0 - error.max(other_error))
+        };
+        let louder: Vec<String> =
+            ranked.iter().filter(is_louder).map(|(way, _)| way.way.name()).collect();
+        if !louder.is_empty() {
+            said.push(format!(
+                "{} grows faster than {}, but leads to a quieter motion",
+                row.way.name(),
+                louder.join(" and ")
+            ));
         }
     }
     if said.is_empty() {
-        said.push("the ranks agree: what grows faster leads to a louder motion".to_owned());
+        said.push(
+            "growth and loudness agree: nothing that grows faster leads to a quieter motion"
+                .to_owned(),
+        );
     }
     said
 }
@@ -234,6 +259,61 @@ mod tests {
         disagreements(found, &observation)
     }
 
+    const AGREE: &str =
+        "growth and loudness agree: nothing that grows faster leads to a quieter motion";
+
+    /// Ranks by growth counted rows and ranks by loudness counted motions: their comparison told disagreements that were none,
+    /// and overlooked one between two others.
+    #[test]
+    fn only_a_faster_mode_with_a_quieter_motion_disagrees() {
+        let loud = |rms: f64, mode: usize| motion(Kind::Periodic, 100.0 * rms, rms, mode);
+        // Two modes share the loudest motion.
+        let shared = found(
+            &[(3, 9.0, Some(0)), (5, 5.0, Some(0)), (7, 1.0, Some(1))],
+            vec![loud(0.3, 3), loud(0.1, 7)],
+        );
+        assert_eq!(said(&shared)[1..], [AGREE]);
+        // The fastest has not settled.
+        let unknown = found(
+            &[(3, 9.0, None), (5, 5.0, Some(0)), (7, 1.0, Some(1))],
+            vec![loud(0.3, 5), loud(0.1, 7)],
+        );
+        assert_eq!(said(&unknown)[1..], [AGREE]);
+        // Two of equal growth.
+        let equal = found(
+            &[(3, 5.0, Some(0)), (5, 5.0, Some(1)), (7, 1.0, Some(2))],
+            vec![loud(0.2, 3), loud(0.3, 5), loud(0.1, 7)],
+        );
+        assert_eq!(said(&equal), [AGREE]);
+        // The middle two have changed places.
+        let middle = found(
+            &[(1, 9.0, Some(0)), (2, 7.0, Some(1)), (3, 5.0, Some(2)), (4, 1.0, Some(3))],
+            vec![loud(0.4, 1), loud(0.2, 2), loud(0.3, 3), loud(0.1, 4)],
+        );
+        assert_eq!(
+            said(&middle),
+            ["mode 2 grows faster than mode 3, but leads to a quieter motion"]
+        );
+        // A double mode with one motion.
+        let double = found(&[(3, 5.0, Some(0)), (4, 5.0, Some(0))], vec![loud(0.2, 3)]);
+        let last = said(&double).pop().unwrap();
+        assert_eq!(last, "all 2 growing modes with a settled motion lead to the same one");
+    }
+
+    #[test]
+    fn a_motion_that_still_grows_may_be_shown_by_a_longer_run() {
+        let mut slow = found(&[(3, 0.05, None)], vec![]);
+        let ending = slow.rows[0].attempts[0].ending.as_mut().unwrap();
+        (ending.linear, ending.rate) = (true, 0.05);
+        let told = said(&slow);
+        assert!(
+            told[0].contains("still grew after 120 s") && told[0].contains("--longest"),
+            "{told:?}"
+        );
+        slow.rows[0].attempts[0].ending.as_mut().unwrap().rate = -0.05;
+        assert!(said(&slow)[0].contains("decays to rest"));
+    }
+
     #[test]
     fn a_mode_that_grows_fastest_to_the_weakest_motion_is_told() {
         let motions = vec![
@@ -248,8 +328,8 @@ mod tests {
         assert_eq!(
             said(&found),
             [
-                "mode 3 grows fastest, but its motion is the weakest",
-                "mode 5 grows most slowly, and yet its motion is the loudest"
+                "mode 3 grows faster than mode 5 and mode 7, but leads to a quieter motion",
+                "mode 7 grows faster than mode 5, but leads to a quieter motion"
             ]
         );
     }
@@ -274,7 +354,7 @@ mod tests {
         let motions =
             vec![motion(Kind::Periodic, 100.0, 0.1, 3), motion(Kind::Periodic, 200.0, 0.3, 5)];
         let agree = found(&[(3, 1.0, Some(0)), (5, 9.0, Some(1))], motions);
-        assert_eq!(said(&agree), ["the ranks agree: what grows faster leads to a louder motion"]);
+        assert_eq!(said(&agree), [AGREE]);
         let rest = motion(Kind::Unbounded, 0.0, 0.0, 1);
         let unknown = found(&[(3, 1.0, None), (5, 9.0, Some(0))], vec![rest]);
         assert_eq!(unknown.rows.iter().filter_map(|row| row.loudness_rank).count(), 0);

@@ -28,7 +28,7 @@ pub struct Loudness {
     shared: ShardArguments,
     #[command(flatten)]
     options: ObservationOptions,
-    /// Largest velocity of the start along each growing mode, m/s [default: a thousandth of the fastest surface's velocity]
+    /// Largest velocity amplitude of the start along each growing mode, m/s [default: a thousandth of the fastest surface's velocity]
     #[arg(long, value_name = "M/S", value_parser = positive, allow_hyphen_values = true)]
     push: Option<f64>,
     /// Points whose motion is measured: module[1].m2 in a ring, a mass such as pad or a node such as pad.17 in a network
@@ -164,7 +164,7 @@ fn print(
     say!("{}", heading(&[(scene, observation)]));
     match (found.grows, found.rows.len()) {
         (true, count) => say!(
-            "{} of uniform sliding; each starts with a velocity of {} m/s",
+            "{} of uniform sliding; each starts with a velocity amplitude of {} m/s",
             counted(count, "growing mode", "growing modes"),
             four(push)
         ),
@@ -282,7 +282,7 @@ fn print_motion(place: usize, motion: &FoundMotion, found: &Found) {
     let Some(measured) = measured else { return };
     if let Some(nearest) = nearest {
         say!(
-            "  its frequency is nearest to that of mode {} ({:.2} Hz), which has {:.0} % of the kinetic energy",
+            "  its frequency is nearest to that of mode {} ({:.2} Hz), which has {:.0} % of the kinetic energies of all modes",
             numbers(&nearest.modes),
             nearest.frequency,
             100.0 * nearest.share

@@ -20,6 +20,9 @@ use amontons_cli::shards::ShardArguments;
 use clap::Args;
 use serde_json::json;
 
+/// The most runs after pushes: their ends are kept in memory.
+const MOST_RUNS: u64 = 10_000_000;
+
 #[derive(Args)]
 pub struct RobustnessArguments {
     #[command(flatten)]
@@ -156,6 +159,12 @@ fn check(
         }
         if arguments.runs == 0 {
             return Err(Error::argument("0 runs show nothing; give --runs 1 or more, such as 100"));
+        }
+        if arguments.runs > MOST_RUNS {
+            return Err(Error::argument(format!(
+                "{} runs are too many; give --runs up to {MOST_RUNS}",
+                arguments.runs
+            )));
         }
     }
     for parameter in parameters {
@@ -324,7 +333,7 @@ fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArgument
             let why = if found.no_equilibrium.value > 0.0 {
                 "draws without equilibrium have none"
             } else {
-                "it does not vary"
+                "it does not vary, or one of the points that indices need besides the draws has no equilibrium"
             };
             print_indices("the largest growth rate", parameters, found.of_growth.as_deref(), why);
             let why = "a scrambling has no unstable draw, or no other; more --points may have";
