@@ -1,4 +1,4 @@
-//! What the stability analysis costs: `cargo bench --bench stability` prints four small tables, all
+//! The cost of the stability analysis: `cargo bench --bench stability` prints four small tables, all
 //! from one run, against LAPACK as NumPy and SciPy bring it, on the same problems (`stability_lapack.py`
 //! in the Python environment of the tests, which is made at the first run).
 //!

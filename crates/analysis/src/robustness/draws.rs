@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 /// Draws that are one piece of work.
 const PIECE: u64 = 256;
 
-/// What the eigenvalues say of one draw.
+/// The eigenvalues of one draw, in short.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// The largest growth rate, 1/s; `None` if there is no equilibrium in sliding.

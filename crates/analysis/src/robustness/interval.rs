@@ -1,6 +1,7 @@
 //! Intervals of 95 % for means of independent estimates, and for shares.
 
 use crate::statistics::{mean, variance};
+use amontons::numerics::bisect;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -77,7 +78,8 @@ fn upper_bound(hits: u64, draws: u64) -> f64 {
         return 1.0;
     }
     let tail = 0.5 * (1.0 - CONFIDENCE);
-    bisect(|p| at_most(hits, draws, p) < tail, [0.0, 1.0])
+    let [_, found] = bisect(0.0, 1.0, |p| at_most(hits, draws, p) >= tail);
+    found
 }
 
 /// The probability of at most `hits`, fewer than `draws`, in independent draws of probability p, above 0 and below 1.
@@ -102,7 +104,8 @@ fn at_most(hits: u64, draws: u64, p: f64) -> f64 {
 /// Student's t for a two-sided interval of 95 %.
 #[must_use]
 pub fn student(freedoms: usize) -> f64 {
-    bisect(|t| within(t, freedoms) > CONFIDENCE, [0.0, 100.0])
+    let [_, found] = bisect(0.0, 100.0, |t| within(t, freedoms) <= CONFIDENCE);
+    found
 }
 
 /// The probability of a value between −t and t: Abramowitz and Stegun, 26.7.3 and 26.7.4.
@@ -118,21 +121,6 @@ fn within(t: f64, freedoms: usize) -> f64 {
         term *= cos * cos * (power + 1) as f64 / (power + 2) as f64;
     }
     if is_odd { 2.0 / PI * (angle + sin * sum) } else { sin * sum }
-}
-
-/// The place between two values from which on something is true.
-fn bisect(is_true: impl Fn(f64) -> bool, [mut low, mut high]: [f64; 2]) -> f64 {
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return high;
-        }
-        if is_true(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
 }
 
 #[cfg(test)]

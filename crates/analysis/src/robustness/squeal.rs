@@ -11,7 +11,7 @@ use super::sobol::random;
 use super::uncertain::{Parameter, scene_with};
 use crate::journal::Journal;
 use crate::stability::parallel::collect;
-use crate::study::{Kind, Prepare, run_to_steady_state};
+use crate::study::{Kind, Prepare, lifts, run_to_steady_state};
 use crate::watch::Watch;
 use amontons::Error;
 use amontons::model::LumpedModel;
@@ -86,7 +86,7 @@ pub struct PushedRun {
     pub failure: Option<String>,
 }
 
-/// What the runs show.
+/// The ends of the runs after pushes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Squeals {
     /// The part of the runs that squeal; the interval has those runs whose end is unknown as squeals at its upper end, and
@@ -176,12 +176,8 @@ impl Pushes<'_> {
 
 /// A random direction of the velocities of all degrees of freedom, the largest 1.
 fn direction(model: &LumpedModel, seed: u64, number: u64) -> Result<Vec<f64>, Error> {
-    let lifts = |dof: usize| {
-        let mut parts = model.contacts.iter().flat_map(|contact| &contact.normal.0);
-        parts.any(|(touched, part)| *touched == dof && *part != 0.0)
-    };
     let of = |dof: usize| {
-        if lifts(dof) {
+        if lifts(model, dof) {
             return 0.0;
         }
         let normal = quantile(random(seed, &[number, DIRECTION, dof as u64]));

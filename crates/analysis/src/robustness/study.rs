@@ -21,7 +21,7 @@ const FEWEST_POINTS: u64 = 16;
 /// The most families of frequencies that are told apart.
 const MOST_FAMILIES: usize = 12;
 
-/// What the draws of a scene show.
+/// Probabilities and indices from the draws of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Robustness {
     /// The largest growth rate with the scene's own values, 1/s; `None` if there is no equilibrium.

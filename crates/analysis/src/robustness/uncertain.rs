@@ -51,7 +51,7 @@ pub struct Parameter {
     draws: Draws,
 }
 
-/// What a study says of a parameter.
+/// A parameter that scatters, as results have it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Described {
     /// Its name.

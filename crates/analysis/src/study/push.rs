@@ -21,21 +21,31 @@ pub struct Push {
     pub velocity: f64,
 }
 
+/// `true` if a degree of freedom is part of the normal of a contact: its motion opens or closes the contact.
+pub(crate) fn lifts(model: &LumpedModel, dof: usize) -> bool {
+    lies_along(model, dof, |contact| &contact.normal.0)
+}
+
+/// `true` if a degree of freedom is part of such a direction of some contact.
+fn lies_along(
+    model: &LumpedModel,
+    dof: usize,
+    directions: fn(&Contact) -> &[(usize, f64)],
+) -> bool {
+    let mut parts = model.contacts.iter().flat_map(directions);
+    parts.any(|(touched, part)| *touched == dof && *part != 0.0)
+}
+
 impl Push {
     /// The usual push of a scene: to the first degree of freedom that no contact lies along, else to the first along
     /// which no contact opens; by a thousandth of the fastest surface's velocity, or 1e-6 m/s where all stand still.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let model = LumpedModel::from(scene);
-        let lies_along = |dof: usize, directions: fn(&Contact) -> &[(usize, f64)]| {
-            let mut parts = model.contacts.iter().flat_map(directions);
-            parts.any(|(touched, part)| *touched == dof && *part != 0.0)
-        };
-        let lifts = |dof: &usize| lies_along(*dof, |contact| &contact.normal.0);
-        let rubs = |dof: &usize| lies_along(*dof, |contact| &contact.tangent.0);
-        let mut free = (0..model.dofs()).filter(|dof| !lifts(dof));
+        let rubs = |dof: usize| lies_along(&model, dof, |contact| &contact.tangent.0);
+        let mut free = (0..model.dofs()).filter(|dof| !lifts(&model, *dof));
         let first = free.clone().next();
-        let dof = free.find(|dof| !rubs(dof)).or(first).unwrap_or(0);
+        let dof = free.find(|dof| !rubs(*dof)).or(first).unwrap_or(0);
         let speed = |contact: &Contact| contact.surface_velocity.abs();
         let fastest = model.contacts.iter().map(speed).fold(0.0, f64::max);
         Self { dof, velocity: if fastest > 0.0 { SMALL * fastest } else { STANDING } }

@@ -16,8 +16,9 @@ pub(super) struct DoublePoint {
     pub(super) change: Complex<f64>,
     /// ∂g/∂µ and ∂²g/∂λ∂µ against half of ∂²g/∂λ².
     slopes: [Complex<f64>; 2],
-    left: Matrix,
-    right: Matrix,
+    /// Left and right shapes, as columns.
+    pub(super) left: Matrix,
+    pub(super) right: Matrix,
 }
 
 /// An eigenvalue problem that depends on a parameter, next to a place where eigenvalues may merge.
@@ -134,16 +135,6 @@ impl DoublePoint {
         let half = -0.5 * self.slopes[1] * away;
         let root = (half * half - self.slopes[0] * away).sqrt();
         [self.eigenvalue + half + root, self.eigenvalue + half - root]
-    }
-
-    /// The left shapes.
-    pub(super) fn left_shapes(&self) -> Matrix {
-        self.left.clone()
-    }
-
-    /// The right shapes.
-    pub(super) fn right_shapes(&self) -> Matrix {
-        self.right.clone()
     }
 
     /// The changes of the place of the double eigenvalue, per unit of a parameter with the derivative `of`, the largest first;

@@ -27,8 +27,9 @@ use super::{Linearised, modes};
 use crate::assign::FRICTION;
 use amontons::Error;
 use amontons::contact::ContactState;
+use amontons::scene::Scene;
 use amontons::simulation::catalogue::Kind;
-use amontons::simulation::{Parameters, Variable, write_scene};
+use amontons::simulation::{Parameters, Variable, variables, write_scene};
 use bordered::{Bordered, BorderedChange, Matrix, Problem};
 use change::ModelChange;
 use merging::{DoublePoint, Search};
@@ -315,8 +316,7 @@ impl<'a> StateDerivatives<'a> {
             let here = Linearised::of(&with_friction(self.here, friction)?);
             let there = StateDerivatives::of(&here, self.states).ok()?;
             let from = (point.eigenvalue, Complex::new(0.0, point.change.im));
-            let shapes = [&point.left_shapes(), &point.right_shapes()];
-            point = there.search(from, shapes)?;
+            point = there.search(from, [&point.left, &point.right])?;
             if point.change.re.abs() > EXACT * start {
                 friction += point.change.re;
                 continue;
@@ -343,9 +343,9 @@ impl<'a> StateDerivatives<'a> {
 }
 
 /// The scene of a model with another common friction coefficient.
-fn with_friction(here: &Linearised, value: f64) -> Option<amontons::scene::Scene> {
+fn with_friction(here: &Linearised, value: f64) -> Option<Scene> {
     let mut scene = here.scene()?.clone();
-    let all = amontons::simulation::variables(&scene);
+    let all = variables(&scene);
     let variable = all.iter().find(|variable| variable.name == FRICTION)?;
     write_scene(&mut scene, variable, value).ok()?;
     Some(scene)

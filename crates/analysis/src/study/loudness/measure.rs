@@ -56,15 +56,15 @@ pub struct ContactPower {
 /// Mean powers over the span, W.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Power {
-    /// What friction feeds into the structure at each contact.
+    /// The power that friction feeds into the structure at each contact.
     pub contacts: Vec<ContactPower>,
-    /// What friction feeds into the structure, by the ledger: work of the sliders less the loss in friction.
+    /// The power that friction feeds into the structure, by the ledger: work of the sliders less the loss in friction.
     pub friction: f64,
-    /// What dampers take.
+    /// The power that dampers take.
     pub damping: f64,
-    /// What normal impulses of impacts take.
+    /// The power that normal impulses of impacts take.
     pub impact: f64,
-    /// What outer forces do.
+    /// The power of outer forces on the structure.
     pub forces: f64,
     /// Difference between the sum of all contacts and the ledger, in parts of the largest power.
     pub mismatch: f64,
@@ -84,7 +84,7 @@ pub struct TakenStates {
     pub share: f64,
 }
 
-/// What is measured of a motion.
+/// The measured quantities of a motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// Time over which the motion was measured, s.

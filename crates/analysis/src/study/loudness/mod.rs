@@ -40,7 +40,7 @@ use serde::{Deserialize, Serialize};
 use shares::ModalShares;
 use ways::Start;
 
-/// What is asked of the motions.
+/// The size of the starts, and the points that are measured.
 #[derive(Clone, Debug)]
 pub struct LoudnessQuestion {
     /// The largest velocity that a start along a growing mode has, m/s.
@@ -93,7 +93,7 @@ impl Row {
 pub struct FoundMotion {
     /// Its kind, size and frequency.
     pub ending: LongTermMotion,
-    /// What was measured; `None` of rest and of unbounded growth.
+    /// Velocities, powers and contact states; `None` of rest and of unbounded growth.
     pub measured: Option<Measured>,
     /// The mode of uniform sliding whose frequency is nearest to that of the motion, with its share of the kinetic energy.
     pub nearest: Option<ModeShare>,
@@ -114,7 +114,7 @@ pub struct Loudness {
     pub findings: Vec<String>,
 }
 
-/// What is noted of one run.
+/// The results of one run, as the journal keeps them.
 #[derive(Clone, Serialize, Deserialize)]
 struct Run {
     ending: LongTermMotion,

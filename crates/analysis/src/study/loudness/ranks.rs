@@ -76,7 +76,7 @@ fn other_mode(row: &Row, found: &Loudness) -> Option<String> {
     Some(format!(
         "{}, but its motion has {frequency:.2} Hz, nearest to mode {} ({:.2} Hz, {:+.4} 1/s)",
         grows(row, found),
-        numbers(&nearest.modes),
+        nearest.numbers(),
         nearest.frequency,
         nearest.growth_rate
     ))
@@ -185,12 +185,6 @@ fn ranks(found: &Loudness) -> Vec<String> {
         );
     }
     said
-}
-
-/// "3", "3 and 4".
-fn numbers(modes: &[usize]) -> String {
-    let all: Vec<String> = modes.iter().map(ToString::to_string).collect();
-    all.join(" and ")
 }
 
 #[cfg(test)]

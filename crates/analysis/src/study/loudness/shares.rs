@@ -35,6 +35,14 @@ pub struct ModeShare {
     pub share: f64,
 }
 
+impl ModeShare {
+    /// The numbers of the modes in words: "3", "3 and 4".
+    #[must_use]
+    pub fn numbers(&self) -> String {
+        self.modes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ")
+    }
+}
+
 /// The modes of uniform sliding, ready to project motions on.
 pub(super) struct ModalShares {
     basis: Basis,
@@ -176,17 +184,23 @@ pub(super) fn nearest(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stability::Modes;
     use amontons::scene::builtin;
+
+    /// Set 2 with little friction, and its modes in uniform sliding.
+    fn set2() -> (Linearised, Modes) {
+        let mut scene = builtin("set2").unwrap().scene();
+        scene.friction_coefficient = 0.3;
+        let here = Linearised::of(&scene);
+        let found = modes(here.linear().unwrap(), &here.uniform_sliding().unwrap()).unwrap();
+        (here, found)
+    }
 
     /// x = Re(u e^{λt}) over its period, without growth beside its oscillation.
     #[test]
     fn a_motion_of_one_mode_has_the_share_one_of_that_mode() {
-        let mut scene = builtin("set2").unwrap().scene();
-        scene.friction_coefficient = 0.3;
-        let here = Linearised::of(&scene);
+        let (here, found) = set2();
         let modal = ModalShares::of(&here).unwrap().unwrap();
-        let states = here.uniform_sliding().unwrap();
-        let found = modes(here.linear().unwrap(), &states).unwrap();
         for (number, mode) in (1..).zip(&found.oscillating) {
             let mut course = modal.course(64);
             for row in 1..=64 {
@@ -204,12 +218,8 @@ mod tests {
     /// One mode turns three times as often as the other, so that their products have no mean.
     #[test]
     fn two_modes_share_a_motion_as_their_kinetic_energies() {
-        let mut scene = builtin("set2").unwrap().scene();
-        scene.friction_coefficient = 0.3;
-        let here = Linearised::of(&scene);
+        let (here, found) = set2();
         let modal = ModalShares::of(&here).unwrap().unwrap();
-        let states = here.uniform_sliding().unwrap();
-        let found = modes(here.linear().unwrap(), &states).unwrap();
         let (slow, fast) = (&found.oscillating[0], &found.oscillating[3]);
         let mut course = modal.course(64);
         let mut energies = [0.0; 2];

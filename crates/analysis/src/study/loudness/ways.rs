@@ -42,7 +42,7 @@ pub struct Way {
     pub(super) source: Source,
 }
 
-/// What a start is made of.
+/// The parts that make a start.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Source {
     /// λ, 1/s, and the shape of the mode, with the angular frequency, rad/s, of the slowest mode that oscillates.

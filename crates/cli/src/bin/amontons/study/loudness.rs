@@ -133,15 +133,10 @@ fn csv(row: &Row, found: &Found) -> [String; 23] {
         value(power.map(|power| power.friction)),
         value(power.and_then(|power| power.energy)),
         value(power.map(|power| power.damping)),
-        nearest.map_or_else(String::new, |nearest| numbers(&nearest.modes)),
+        nearest.map_or_else(String::new, |nearest| nearest.numbers()),
         value(nearest.map(|nearest| nearest.share)),
         place(row.loudness_rank),
     ]
-}
-
-/// "3", "3 and 4".
-fn numbers(modes: &[usize]) -> String {
-    modes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ")
 }
 
 /// A number to four digits.
@@ -283,7 +278,7 @@ fn print_motion(place: usize, motion: &FoundMotion, found: &Found) {
     if let Some(nearest) = nearest {
         say!(
             "  its frequency is nearest to that of mode {} ({:.2} Hz), which has {:.0} % of the kinetic energies of all modes",
-            numbers(&nearest.modes),
+            nearest.numbers(),
             nearest.frequency,
             100.0 * nearest.share
         );
