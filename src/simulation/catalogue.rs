@@ -151,6 +151,15 @@ pub struct Variable {
 }
 
 impl Variable {
+    /// Its unit; empty for a variable without one.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        match self.template.kind {
+            Kind::Real { unit, .. } if unit != "1" => unit,
+            _ => "",
+        }
+    }
+
     /// `true` if both variables have the same entry of the catalogue and the same part of the structure.
     pub(super) fn is(&self, other: &Self) -> bool {
         std::ptr::eq(self.template, other.template) && self.index == other.index

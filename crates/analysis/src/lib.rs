@@ -23,11 +23,13 @@
 //! | [`orbit`] | periodic motions solved for themselves, with Floquet multipliers |
 //! | [`study`] | endings of a scene: limit cycles, perturbations, branches over µ, basins |
 //! | [`robustness`] | the probability that a scene is unstable, when its parameters scatter |
+//! | [`design`] | the smallest change of a scene after which it does not squeal |
 //!
 //! All quantities are in SI units.
 
 pub mod accuracy;
 pub mod assign;
+pub mod design;
 pub mod doubts;
 pub mod effects;
 pub mod inputs;

@@ -29,6 +29,8 @@ pub use draws::{Design, Verdict, verdict};
 pub use histogram::Class;
 pub use interval::Estimate;
 pub use sensitivity::Index;
+pub(crate) use sobol::random;
 pub use squeal::{End, PushedRun, Pushes, Squeals, squeals};
 pub use study::{Band, FEWEST_SCRAMBLINGS, Robustness, check_size, robustness};
 pub use uncertain::{Described, Parameter, Uncertain, parameters, scene_with};
+pub(crate) use uncertain::{matches, matching};

@@ -39,6 +39,8 @@ pub struct Pushes<'a> {
     pub runs: u64,
     /// The seed of all draws.
     pub seed: u64,
+    /// The name of a run, to which its number is added, among the pieces of work of the study.
+    pub name: &'a str,
 }
 
 /// How a run ends.
@@ -121,7 +123,7 @@ pub fn squeals(
     direction(&LumpedModel::from(pushes.scene), pushes.seed, 0)?;
     let work = |place: usize| {
         let number = place as u64;
-        journal.piece(&format!("run {}", number + 1), || pushes.run(number, watch))
+        journal.piece(&format!("{} {}", pushes.name, number + 1), || pushes.run(number, watch))
     };
     let count = usize::try_from(pushes.runs).unwrap_or(usize::MAX);
     let found = collect(count, &work, &watch.parts(count))?;

@@ -108,17 +108,10 @@ impl Parameter {
 /// Returns an error if the scene lacks a parameter, if one is given twice, if a signal drives one, if its distribution has
 /// impossible values, or if there are more than 128.
 pub fn parameters(scene: &Scene, uncertain: &[Uncertain]) -> Result<Vec<Parameter>, Error> {
-    let known: Vec<Variable> = variables(scene).into_iter().filter(Variable::is_settable).collect();
     let mut found: Vec<(Parameter, &str)> = Vec::new();
     for Uncertain { name, distribution } in uncertain {
-        check_kind(name)?;
-        let mut matching = known.iter().filter(|variable| matches(name, &variable.name)).peekable();
-        if matching.peek().is_none() {
-            return Err(missing(scene, name));
-        }
-        for variable in matching {
+        for variable in matching(scene, name, "be uncertain")? {
             let own = &variable.name;
-            require_undriven(scene, own)?;
             if let Some((_, other)) = found.iter().find(|(before, _)| before.name() == own) {
                 let both =
                     if *other == name { name.clone() } else { format!("{other} and {name}") };
@@ -126,13 +119,8 @@ pub fn parameters(scene: &Scene, uncertain: &[Uncertain]) -> Result<Vec<Paramete
                     "{own} is given two distributions, by {both}; give it one --uncertain"
                 )));
             }
-            if !matches!(variable.template.kind, Kind::Real { .. }) {
-                return Err(Error::argument(format!(
-                    "{own} cannot be uncertain: it is a switch, not a number"
-                )));
-            }
             let nominal = value_of(scene, own)?;
-            let bounds = bounds(rule_of(scene, variable));
+            let bounds = bounds(rule_of(scene, &variable));
             let draws = distribution
                 .draws(nominal, bounds)
                 .map_err(|why| Error::argument(format!("{distribution} of {own} {why}")))?;
@@ -177,20 +165,45 @@ pub fn scene_with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Re
     Ok(scene)
 }
 
+/// The parameters and inputs of a scene on which eigenvalues may depend that have a name, or match a pattern in which `*` stands
+/// for any text without a point. `verb` is what is asked of them, for messages: `be uncertain`.
+///
+/// # Errors
+/// Returns an error if there is none, if a signal drives one, or if one is a switch.
+pub(crate) fn matching(scene: &Scene, name: &str, verb: &str) -> Result<Vec<Variable>, Error> {
+    check_kind(name, verb)?;
+    let mut found: Vec<Variable> =
+        variables(scene).into_iter().filter(Variable::is_settable).collect();
+    found.retain(|variable| matches(name, &variable.name));
+    if found.is_empty() {
+        return Err(missing(scene, name, verb));
+    }
+    for variable in &found {
+        require_undriven(scene, &variable.name)?;
+        if !matches!(variable.template.kind, Kind::Real { .. }) {
+            return Err(Error::argument(format!(
+                "{} cannot {verb}: it is a switch, not a number",
+                variable.name
+            )));
+        }
+    }
+    Ok(found)
+}
+
 /// Refuses names of values that eigenvalues do not depend on.
-fn check_kind(name: &str) -> Result<(), Error> {
+fn check_kind(name: &str, verb: &str) -> Result<(), Error> {
     let kind = [("initial.", "initial values"), ("signal[", "signals")];
     match kind.into_iter().find(|(start, _)| name.starts_with(start)) {
         Some((_, kind)) => Err(Error::argument(format!(
-            "{name} cannot be uncertain: eigenvalues do not depend on {kind}; give parameters of the scene, and \
-             --pushes for the start of runs"
+            "{name} cannot {verb}: eigenvalues do not depend on {kind}; give parameters of the scene, and --pushes for the \
+             start of runs"
         ))),
         None => Ok(()),
     }
 }
 
 /// The error that no parameter has a name or pattern.
-fn missing(scene: &Scene, name: &str) -> Error {
+fn missing(scene: &Scene, name: &str, verb: &str) -> Error {
     // One part stands for all.
     match (value_of(scene, &name.replace('*', "1")), name.contains('*')) {
         (Err(error), false) => error,
@@ -198,12 +211,12 @@ fn missing(scene: &Scene, name: &str) -> Error {
             "no parameter or input of {} matches {name}: {error}",
             scene.name
         )),
-        (Ok(_), _) => Error::argument(format!("{name} cannot be uncertain")),
+        (Ok(_), _) => Error::argument(format!("{name} cannot {verb}")),
     }
 }
 
 /// `true` if a name is that of a pattern, in which `*` stands for any text without a point.
-fn matches(pattern: &str, name: &str) -> bool {
+pub(crate) fn matches(pattern: &str, name: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,
         Some((before, after)) => name.strip_prefix(before).is_some_and(|rest| {

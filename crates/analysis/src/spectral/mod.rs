@@ -21,5 +21,6 @@ mod window;
 pub use demodulation::{Phasor, demodulate};
 pub use lines::{Line, Lines, lines};
 pub use peak::cycles;
+pub(crate) use peak::largest;
 pub use spectrogram::{LEAST_DB, Spectrogram};
 pub use window::Window;

@@ -33,7 +33,7 @@ pub fn cycles(values: &[f64]) -> Option<f64> {
 }
 
 /// Position of the maximum of a function that has one maximum between two places, by golden-section search.
-fn largest(function: &impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2]) -> f64 {
+pub(crate) fn largest(function: &impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2]) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let mut inner = [to - GOLDEN * (to - from), from + GOLDEN * (to - from)];
     let mut values = inner.map(function);

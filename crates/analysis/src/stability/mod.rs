@@ -33,6 +33,7 @@ pub use linearity_limit::{LinearityLimit, linearity_limit};
 pub use modes::{Mode, Modes, modes};
 pub use named::named_states;
 pub use parallel::{is_on_this_thread, on_this_thread};
+pub(crate) use sensitivity::group_derivatives;
 pub use sensitivity::{
     CriticalFriction, Merging, ModeSensitivity, Parameter, Sensitivities, critical_friction,
     sensitivities,

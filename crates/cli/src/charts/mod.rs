@@ -3,6 +3,7 @@
 pub mod attractor;
 pub mod branches;
 pub mod continuation;
+pub mod design;
 mod kinds;
 pub mod limit_cycle;
 pub mod loudness;

@@ -318,6 +318,13 @@ impl BorderedChange {
         self.mass.is_empty() && self.damping.is_empty() && self.stiffness.is_empty()
     }
 
+    /// Adds a change of all three matrices with a factor.
+    pub(super) fn add(&mut self, factor: f64, other: &Self) {
+        add(&mut self.mass, factor, &other.mass);
+        add(&mut self.damping, factor, &other.damping);
+        add(&mut self.stiffness, factor, &other.stiffness);
+    }
+
     /// The three lists of entries with the factors λ², λ and 1, or their derivatives by λ.
     fn parts(
         &self,

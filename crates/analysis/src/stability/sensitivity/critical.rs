@@ -96,7 +96,7 @@ fn derivatives_of(
     crossing: Crossing,
 ) -> Result<(bool, Derivatives), Error> {
     let here = Linearised::of(scene);
-    let state = StateDerivatives::of(&here, states)?;
+    let state = StateDerivatives::of(&here, states, &|_| true)?;
     let all: Vec<Complex<f64>> =
         modes(here.linear()?, states)?.all().map(|mode| mode.eigenvalue).collect();
     let wanted = Complex::new(0.0, TAU * crossing.frequency_hz);

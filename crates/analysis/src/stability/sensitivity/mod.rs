@@ -28,8 +28,7 @@ use crate::assign::FRICTION;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
-use amontons::simulation::catalogue::Kind;
-use amontons::simulation::{Parameters, Variable, variables, write_scene};
+use amontons::simulation::{Parameters, variables, write_scene};
 use bordered::{Bordered, BorderedChange, Matrix, Problem};
 use change::ModelChange;
 use merging::{DoublePoint, Search};
@@ -146,7 +145,7 @@ pub fn sensitivities(
     frequencies: [f64; 2],
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Sensitivities, Error> {
-    let state = StateDerivatives::of(here, states)?;
+    let state = StateDerivatives::of(here, states, &|_| true)?;
     let all: Vec<Complex<f64>> =
         modes(here.linear()?, states)?.all().map(|mode| mode.eigenvalue).collect();
     if all.is_empty() {
@@ -166,6 +165,48 @@ pub fn sensitivities(
         without_derivative: state.without_derivative,
         modes: found,
     })
+}
+
+/// The derivatives of some eigenvalues of a contact state by named parameters, each as the effect of a change of all parameters
+/// of one group: Σ cᵢ ∂λ/∂pᵢ over the names pᵢ of the group with their factors cᵢ. One row for each eigenvalue, with one value
+/// for each group; `None` where the eigenvalue has merged with another one, or belongs to a free motion.
+///
+/// The copies of an eigenvalue that comes several times have the derivatives whose real parts are largest.
+///
+/// # Errors
+/// Returns the errors of [`sensitivities`], and an error if a parameter has no derivative.
+pub(crate) fn group_derivatives(
+    here: &Linearised,
+    states: &[ContactState],
+    groups: &[Vec<(&str, f64)>],
+    eigenvalues: &[Complex<f64>],
+) -> Result<Vec<Option<Vec<Complex<f64>>>>, Error> {
+    let of = |name: &str| {
+        let of_group =
+            |group: &Vec<(&str, f64)>| group.iter().find(|it| it.0 == name).map(|it| it.1);
+        groups.iter().enumerate().find_map(|(place, group)| Some((place, of_group(group)?)))
+    };
+    let state = StateDerivatives::of(here, states, &|name| of(name).is_some())?;
+    if let Some(name) = state.without_derivative.first() {
+        return Err(Error::argument(format!(
+            "there is no derivative by {name}: the surface stands still, and friction turns round there"
+        )));
+    }
+    let mut changes = vec![BorderedChange::default(); groups.len()];
+    for (parameter, change) in state.parameters.iter().zip(&state.changes) {
+        if let Some((place, factor)) = of(&parameter.name) {
+            changes[place].add(factor, change);
+        }
+    }
+    let shaped = state.shaped(eigenvalues, &|_, _| {})?;
+    let derivatives = |one: &Shaped| -> Option<Vec<Complex<f64>>> {
+        changes.iter().map(|change| one.derivatives(change)?.first().copied()).collect()
+    };
+    let apart = |one: &Shaped, value: Complex<f64>| (one.eigenvalue - value).norm();
+    let nearest = |value: Complex<f64>| {
+        shaped.iter().min_by(|a, b| apart(a, value).total_cmp(&apart(b, value)))
+    };
+    Ok(eigenvalues.iter().map(|value| nearest(*value).and_then(derivatives)).collect())
 }
 
 /// The eigenvalues that may merge with some that are chosen, and these themselves.
@@ -191,7 +232,12 @@ struct StateDerivatives<'a> {
 }
 
 impl<'a> StateDerivatives<'a> {
-    fn of(here: &'a Linearised, states: &'a [ContactState]) -> Result<Self, Error> {
+    /// The derivatives by those parameters whose names are wanted.
+    fn of(
+        here: &'a Linearised,
+        states: &'a [ContactState],
+        is_wanted: &dyn Fn(&str) -> bool,
+    ) -> Result<Self, Error> {
         let scene = here.scene().ok_or_else(|| {
             Error::analysis(
                 "derivatives are those by the parameters of a scene, and the model has none",
@@ -201,7 +247,7 @@ impl<'a> StateDerivatives<'a> {
         let (mut parameters, mut changes) = (Vec::new(), Vec::new());
         let (mut without_effect, mut without_derivative) = (Vec::new(), Vec::new());
         let values = Parameters::of(scene.clone());
-        for (variable, value) in values.iter() {
+        for (variable, value) in values.iter().filter(|(variable, _)| is_wanted(&variable.name)) {
             let Some(change) = ModelChange::by(scene, variable)? else { continue };
             let name = variable.name.clone();
             if problem.turns_round(&change) {
@@ -213,7 +259,7 @@ impl<'a> StateDerivatives<'a> {
                 without_effect.push(name);
                 continue;
             }
-            parameters.push(Parameter { name, value, unit: unit(variable) });
+            parameters.push(Parameter { name, value, unit: variable.unit() });
             changes.push(change);
         }
         let friction = parameters.iter().position(|it| it.name == FRICTION);
@@ -314,7 +360,7 @@ impl<'a> StateDerivatives<'a> {
         let mut friction = start + point.change.re;
         for _ in 0..MOST_STEPS {
             let here = Linearised::of(&with_friction(self.here, friction)?);
-            let there = StateDerivatives::of(&here, self.states).ok()?;
+            let there = StateDerivatives::of(&here, self.states, &|_| true).ok()?;
             let from = (point.eigenvalue, Complex::new(0.0, point.change.im));
             point = there.search(from, [&point.left, &point.right])?;
             if point.change.re.abs() > EXACT * start {
@@ -382,14 +428,6 @@ fn eigenvalues(matrix: Matrix) -> Vec<Complex<f64>> {
     match Schur::try_new(shifted, f64::EPSILON, 1000) {
         Some(schur) => schur.unpack().1.diagonal().iter().map(|value| value - size).collect(),
         None => vec![Complex::new(f64::NAN, f64::NAN); count],
-    }
-}
-
-/// The unit of a variable.
-fn unit(variable: &Variable) -> &'static str {
-    match variable.template.kind {
-        Kind::Real { unit, .. } if unit != "1" => unit,
-        _ => "",
     }
 }
 

@@ -50,6 +50,12 @@ pub enum Study {
     /// Draws are points of scrambled Sobol nets. The study writes results.csv (probabilities and Sobol indices, with intervals of
     /// 95 %), histogram.csv (the largest growth rate), study.json and pictures; with --pushes also runs.csv.
     Robustness(super::robustness::RobustnessArguments),
+    /// The smallest change of a scene after which no mode grows over a range of friction coefficients
+    ///
+    /// The change is sought from several starts by sequential quadratic programs with exact derivatives, and verified by
+    /// eigenvalues on a finer grid and by runs after pushes. The study writes results.csv (each value before and after),
+    /// trade-off.csv (growth rate against change), growth.csv, study.json and pictures.
+    Design(super::design::DesignArguments),
     /// Put the pieces of all workers of a study together (--shard), tell what is missing, or write the results
     ///
     /// It may be run at any time and any number of times, while workers run or after they were killed, in the folder in

@@ -5,6 +5,7 @@ mod attractor;
 mod basin;
 mod branches;
 mod continuation;
+mod design;
 mod folder;
 mod limit_cycle;
 mod loudness;
@@ -39,6 +40,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Orbit(arguments) => orbit::run(arguments),
         Study::Branches(arguments) => branches::run(arguments),
         Study::Robustness(arguments) => robustness::run(arguments),
+        Study::Design(arguments) => design::run(arguments),
         Study::Merge(arguments) => merge::run(arguments),
     }
 }

@@ -117,6 +117,7 @@ pub fn run(arguments: &RobustnessArguments) -> Result<(), Box<dyn std::error::Er
         prepare: &prepare,
         runs: arguments.runs,
         seed: *seed,
+        name: "run",
     });
     let bands = (!arguments.bands.is_empty()).then_some(&arguments.bands[..]);
     let Some(found) =
@@ -186,7 +187,7 @@ fn check(
 }
 
 /// Draws of the velocity of pushes, which has no value in the scene.
-fn push_velocity(pushes: &Distribution) -> Result<Draws, Error> {
+pub fn push_velocity(pushes: &Distribution) -> Result<Draws, Error> {
     let refused = |why: String| Error::argument(format!("{pushes} of --pushes {why}"));
     if pushes.is_relative() {
         return Err(refused(

@@ -1,0 +1,116 @@
+//! Growth rates over a range of friction coefficients, with their derivatives by the changes of a design.
+
+use super::vary::{Varied, scene_at};
+use crate::assign::{FRICTION, assign};
+use crate::stability::parallel::collect;
+use crate::stability::{Linearised, group_derivatives};
+use crate::watch::Watch;
+use amontons::Error;
+use amontons::contact::ContactState;
+use amontons::scene::Scene;
+use amontons::stability::Spectrum;
+use nalgebra::Complex;
+
+/// The scene, its changes, and the contact states in which no mode may grow.
+#[derive(Clone, Copy)]
+pub(super) struct Structure<'a> {
+    /// The scene, without signals.
+    pub(super) scene: &'a Scene,
+    pub(super) varied: &'a [Varied],
+    /// The contact states, one entry for each contact.
+    pub(super) patterns: &'a [Vec<ContactState>],
+    pub(super) watch: Watch<'a>,
+}
+
+/// A contact state at a friction coefficient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    /// The place of the contact state.
+    pub(super) pattern: usize,
+    pub(super) friction: f64,
+}
+
+/// A mode at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Found {
+    pub(super) place: Place,
+    /// λ, 1/s, with Im λ ≥ 0.
+    pub(super) eigenvalue: Complex<f64>,
+}
+
+/// A mode's growth rate with its derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Row {
+    /// Re λ, 1/s.
+    pub(super) growth: f64,
+    /// ∂ Re λ / ∂x by each change, 1/s.
+    pub(super) by: Vec<f64>,
+}
+
+impl Structure<'_> {
+    /// The model after these changes at a friction coefficient.
+    pub(super) fn model(&self, changes: &[f64], friction: f64) -> Result<Linearised, Error> {
+        let mut scene = scene_at(self.scene, self.varied, changes)?;
+        assign(&mut scene, FRICTION, friction)?;
+        scene.check()?;
+        Ok(Linearised::of(&scene))
+    }
+
+    /// All modes of all contact states at these friction coefficients, in the order of these.
+    ///
+    /// # Errors
+    /// Returns an error if values are impossible together, if a state cannot be analysed, or if the watch has ended the work.
+    pub(super) fn modes(&self, changes: &[f64], frictions: &[f64]) -> Result<Vec<Found>, Error> {
+        let at = |i: usize| {
+            self.watch.check()?;
+            let friction = frictions[i];
+            let here = self.model(changes, friction)?;
+            let linear = here.linear()?;
+            let mut found = Vec::new();
+            for (pattern, states) in self.patterns.iter().enumerate() {
+                let place = Place { pattern, friction };
+                let Spectrum { oscillating, real } = Spectrum::of(linear, states)?;
+                let real = real.into_iter().map(|value| Complex::new(value, 0.0));
+                let all = oscillating.into_iter().chain(real);
+                found.extend(all.map(|eigenvalue| Found { place, eigenvalue }));
+            }
+            Ok(found)
+        };
+        Ok(collect(frictions.len(), &at, &|_| {})?.into_iter().flatten().collect())
+    }
+
+    /// The growth rates of some modes with their derivatives. Modes of one place stand together.
+    ///
+    /// # Errors
+    /// Returns an error if a state has no derivatives, or if the watch has ended the work.
+    pub(super) fn rows(&self, changes: &[f64], modes: &[Found]) -> Result<Vec<Row>, Error> {
+        let groups: Vec<Vec<(&str, f64)>> = self
+            .varied
+            .iter()
+            .map(|one| one.parts.iter().map(|part| (&*part.name, part.scale)).collect())
+            .collect();
+        let places: Vec<&[Found]> = modes.chunk_by(|a, b| a.place == b.place).collect();
+        let at = |i: usize| {
+            self.watch.check()?;
+            let Place { pattern, friction } = places[i][0].place;
+            let here = self.model(changes, friction)?;
+            let values: Vec<Complex<f64>> = places[i].iter().map(|it| it.eigenvalue).collect();
+            let all = group_derivatives(&here, &self.patterns[pattern], &groups, &values)?;
+            let rows = values.iter().zip(all).map(|(value, by)| Row {
+                growth: value.re,
+                // A merged mode has no derivative: the others decide.
+                by: by.map_or_else(
+                    || vec![0.0; self.varied.len()],
+                    |by| by.iter().map(|by| by.re).collect(),
+                ),
+            });
+            Ok(rows.collect::<Vec<Row>>())
+        };
+        Ok(collect(places.len(), &at, &|_| {})?.into_iter().flatten().collect())
+    }
+}
+
+/// The mode that grows fastest; `None` if there is no mode.
+pub(super) fn fastest(modes: &[Found]) -> Option<Found> {
+    modes.iter().copied().max_by(|a, b| a.eigenvalue.re.total_cmp(&b.eigenvalue.re))
+}

@@ -1,0 +1,21 @@
+//! Design: the smallest change of a scene after which no mode grows over a range of friction coefficients.
+//!
+//! | file | contents |
+//! | --- | --- |
+//! | `vary` | the values of a scene that may change, and how far |
+//! | `limits` | growth rates over the range of µ, with their derivatives by the changes |
+//! | `solver` | sequential quadratic programs in a trust region |
+//! | `search` | solutions that hold between the values of µ, from several starts |
+//! | `verify` | what eigenvalues on a finer grid and runs after pushes say of a design |
+//! | `study` | the design, its trade-off with the growth rate, and its verification |
+
+mod limits;
+mod search;
+mod solver;
+mod study;
+mod vary;
+mod verify;
+
+pub use study::{DesignQuestion, FoundDesign, Growth, Reached, Start, design};
+pub use vary::{Varied, Vary, scene_at, varied};
+pub use verify::{Checked, Remaining, Worst};

@@ -1,0 +1,250 @@
+//! Sequential quadratic programs in a trust region.
+//!
+//! With relative changes x, costs c and growth rates g, the aim is the least ½ Σ (cᵢ xᵢ)² with max g ≤ limit, between bounds.
+//! Each step solves it with g linear in x, and with a price ρ on what is above the limit: a quadratic program, which has a
+//! solution even where the limit cannot be kept. The step is taken if the true function becomes less by a part of what was
+//! foretold (Fletcher, Practical Methods of Optimization, 2000, sec. 14.5).
+
+use super::limits::{Found, Place, Structure, fastest};
+use amontons::Error;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
+};
+
+/// The most steps.
+const MOST_STEPS: usize = 200;
+/// The most modes whose derivatives a step takes.
+const MOST_ROWS: usize = 80;
+/// The price of what is above the limit; both parts of the function have the size 1.
+const PRICE: f64 = 10.0;
+/// The most by which the price grows where the limit is not kept.
+const HIGHEST_PRICE: f64 = 1e5;
+/// A trust region narrower than this part of the bounds ends the search.
+const NARROWEST: f64 = 1e-9;
+
+/// An aim of the search.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aim {
+    /// The growth rate, 1/s, that no mode may have more of.
+    pub(super) limit: f64,
+    /// A growth rate, 1/s, that makes others comparable.
+    pub(super) unit: f64,
+    /// `false` if the size of the change does not count: the search is for the least growth rate.
+    pub(super) is_small: bool,
+}
+
+/// An end of the search.
+#[derive(Clone, Debug)]
+pub(super) struct Solved {
+    /// The relative changes.
+    pub(super) changes: Vec<f64>,
+    /// The mode that grows fastest.
+    pub(super) worst: Found,
+}
+
+/// The search at a set of friction coefficients.
+pub(super) struct Search<'a> {
+    pub(super) structure: Structure<'a>,
+    pub(super) frictions: &'a [f64],
+    pub(super) aim: Aim,
+}
+
+/// Relative changes with all modes there.
+struct At {
+    changes: Vec<f64>,
+    modes: Vec<Found>,
+    worst: Found,
+}
+
+/// The linear problem about relative changes.
+struct Linear {
+    rows: Vec<super::limits::Row>,
+}
+
+impl Search<'_> {
+    /// The end of the search from a start, within the bounds.
+    ///
+    /// # Errors
+    /// Returns an error if the start cannot be analysed, or if the watch has ended the work.
+    pub(super) fn from(&self, start: &[f64]) -> Result<Solved, Error> {
+        let mut here = self.at(start)?;
+        let mut price = PRICE;
+        let mut radius = 0.3;
+        // Places that have broken the limit in a trial, though no mode there was near it before.
+        let mut remembered: Vec<Place> = Vec::new();
+        let mut linear = self.linear(&here, &remembered)?;
+        for _ in 0..MOST_STEPS {
+            let now = self.merit(&here.changes, here.worst.eigenvalue.re, price);
+            let step = self.step(&here.changes, &linear, price, radius)?;
+            let foretold = now - self.foretold(&step, &here.changes, &linear, price);
+            if foretold <= 1e-12 * now.abs().max(1e-6) || radius < NARROWEST {
+                let is_kept = here.worst.eigenvalue.re <= self.aim.limit;
+                if is_kept || price >= HIGHEST_PRICE || !self.aim.is_small {
+                    break;
+                }
+                (price, radius) = (10.0 * price, 0.3);
+                continue;
+            }
+            let trial = match self.at(&step) {
+                Ok(trial) => trial,
+                Err(error) if self.structure.watch.is_over() => return Err(error),
+                // Such values are impossible together.
+                Err(_) => {
+                    radius *= 0.3;
+                    continue;
+                }
+            };
+            let gained = now - self.merit(&step, trial.worst.eigenvalue.re, price);
+            if gained < 0.25 * foretold {
+                let place = trial.worst.place;
+                if !remembered.contains(&place) {
+                    remembered.push(place);
+                    linear = self.linear(&here, &remembered)?;
+                }
+                radius *= 0.3;
+            } else if gained > 0.7 * foretold {
+                radius = f64::min(2.0 * radius, 1.0);
+            }
+            if gained > 1e-3 * foretold {
+                here = trial;
+                linear = self.linear(&here, &remembered)?;
+            }
+        }
+        Ok(Solved { changes: here.changes, worst: here.worst })
+    }
+
+    fn at(&self, changes: &[f64]) -> Result<At, Error> {
+        let modes = self.structure.modes(changes, self.frictions)?;
+        let worst = fastest(&modes).ok_or_else(|| {
+            Error::analysis("contacts hold all motions in these states, so there is no mode")
+        })?;
+        Ok(At { changes: changes.to_vec(), modes, worst })
+    }
+
+    /// The derivatives of the modes that are near the limit or grow fastest, and of the fastest mode at each remembered place.
+    fn linear(&self, here: &At, remembered: &[Place]) -> Result<Linear, Error> {
+        let from = here.worst.eigenvalue.re.min(self.aim.limit) - 0.5 * self.aim.unit;
+        let mut places: Vec<usize> = (0..here.modes.len()).collect();
+        let growth = |place: &usize| here.modes[*place].eigenvalue.re;
+        places.sort_by(|a, b| growth(b).total_cmp(&growth(a)));
+        let mut chosen: Vec<usize> =
+            places.iter().copied().filter(|place| growth(place) >= from).take(MOST_ROWS).collect();
+        for place in remembered {
+            chosen.extend(places.iter().copied().find(|i| here.modes[*i].place == *place));
+        }
+        chosen.sort_unstable();
+        chosen.dedup();
+        let modes: Vec<Found> = chosen.into_iter().map(|place| here.modes[place]).collect();
+        Ok(Linear { rows: self.structure.rows(&here.changes, &modes)? })
+    }
+
+    /// The sum of the squares of the costs that all bounds allow.
+    fn largest(&self) -> f64 {
+        let largest = |[low, high]: [f64; 2]| high.max(-low);
+        self.structure.varied.iter().map(|one| (one.cost * largest(one.bounds)).powi(2)).sum()
+    }
+
+    /// The weight of ½ Σ (cᵢ xᵢ)².
+    fn weight(&self) -> f64 {
+        let weight = if self.aim.is_small { 1.0 } else { 1e-6 };
+        weight / self.largest()
+    }
+
+    fn merit(&self, changes: &[f64], growth: f64, price: f64) -> f64 {
+        let above = (growth - self.aim.limit) / self.aim.unit;
+        let above = if self.aim.is_small { above.max(0.0) } else { above };
+        0.5 * self.weight() * squares(self.structure.varied, changes) + price * above
+    }
+
+    /// The merit after a step, with growth rates linear in the changes.
+    fn foretold(&self, step: &[f64], from: &[f64], linear: &Linear, price: f64) -> f64 {
+        let rates = linear.rows.iter().map(|row| {
+            let moved =
+                row.by.iter().zip(step.iter().zip(from)).map(|(by, (to, from))| by * (to - from));
+            row.growth + moved.sum::<f64>()
+        });
+        self.merit(step, rates.fold(f64::NEG_INFINITY, f64::max), price)
+    }
+
+    /// The relative changes after the step of the quadratic program.
+    fn step(
+        &self,
+        from: &[f64],
+        linear: &Linear,
+        price: f64,
+        radius: f64,
+    ) -> Result<Vec<f64>, Error> {
+        let varied = self.structure.varied;
+        let count = varied.len();
+        let half: Vec<f64> =
+            varied.iter().map(|one| 0.5 * (one.bounds[1] - one.bounds[0])).collect();
+        // Unknowns: steps in halves of the bounds, then what is above the limit in units.
+        let (mut diagonal, mut slope) = (Vec::new(), Vec::new());
+        for (i, one) in varied.iter().enumerate() {
+            let curvature = self.weight() * (one.cost * half[i]).powi(2);
+            diagonal.push(curvature);
+            slope.push(curvature * from[i] / half[i]);
+        }
+        diagonal.push(0.0);
+        slope.push(price);
+        let (mut rows, mut values) = (Vec::new(), Vec::new());
+        for row in &linear.rows {
+            let mut by: Vec<f64> =
+                row.by.iter().zip(&half).map(|(by, half)| by * half / self.aim.unit).collect();
+            by.push(-1.0);
+            rows.push(by);
+            values.push((self.aim.limit - row.growth) / self.aim.unit);
+        }
+        let unknown = |i: usize, value: f64| {
+            let mut row = vec![0.0; count + 1];
+            row[i] = value;
+            row
+        };
+        if self.aim.is_small {
+            rows.push(unknown(count, -1.0));
+            values.push(0.0);
+        }
+        let mut bounds = Vec::new();
+        for (i, one) in varied.iter().enumerate() {
+            let low = f64::max((one.bounds[0] - from[i]) / half[i], -radius).min(0.0);
+            let high = f64::min((one.bounds[1] - from[i]) / half[i], radius).max(0.0);
+            rows.extend([unknown(i, 1.0), unknown(i, -1.0)]);
+            values.extend([high, -low]);
+            bounds.push([low, high]);
+        }
+        let hessian =
+            CscMatrix::from(&(0..=count).map(|i| unknown(i, diagonal[i])).collect::<Vec<_>>());
+        let settings = DefaultSettingsBuilder::default().verbose(false).build();
+        let settings = settings.map_err(|error| failed(&error))?;
+        let cones = [NonnegativeConeT(rows.len())];
+        let mut solver = DefaultSolver::new(
+            &hessian,
+            &slope,
+            &CscMatrix::from(&rows),
+            &values,
+            &cones,
+            settings,
+        )
+        .map_err(|error| failed(&error))?;
+        solver.solve();
+        match solver.solution.status {
+            SolverStatus::Solved | SolverStatus::AlmostSolved => {}
+            // No step: the trust region becomes narrower.
+            _ => return Ok(from.to_vec()),
+        }
+        let steps = solver.solution.x.iter().zip(bounds).zip(from.iter().zip(&half));
+        let steps =
+            steps.map(|((step, [low, high]), (from, half))| from + half * step.clamp(low, high));
+        Ok(steps.collect())
+    }
+}
+
+/// Σ (cᵢ xᵢ)².
+pub(super) fn squares(varied: &[super::Varied], changes: &[f64]) -> f64 {
+    varied.iter().zip(changes).map(|(one, change)| (one.cost * change).powi(2)).sum()
+}
+
+fn failed(error: &dyn std::fmt::Display) -> Error {
+    Error::analysis(format!("a quadratic program of the search cannot be set up: {error}"))
+}

@@ -1,0 +1,303 @@
+//! The design, its trade-off with the growth rate, and its verification.
+
+use super::limits::Structure;
+use super::search::OverRange;
+use super::solver::{Aim, Solved};
+use super::vary::{Varied, scene_at};
+use super::verify::{Checked, Worst, no_equilibrium, remaining, runs};
+use crate::journal::Journal;
+use crate::robustness::{Pushes, random};
+use crate::stability::parallel::{collect, on_this_thread};
+use crate::watch::Watch;
+use amontons::Error;
+use amontons::contact::ContactState;
+use amontons::decimal::to_significant;
+use amontons::scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// The part of the way from the scene's growth rate to the limit by which a design is better than the limit asks: its changes are
+/// then rounded to four digits.
+const SURPLUS: f64 = 2e-3;
+/// Digits of a change.
+const DIGITS: usize = 4;
+
+/// The question of a design.
+pub struct DesignQuestion<'a> {
+    /// The scene, without signals.
+    pub scene: &'a Scene,
+    /// The values that may change.
+    pub varied: &'a [Varied],
+    /// The contact states in which no mode may grow, one entry for each contact.
+    pub patterns: &'a [Vec<ContactState>],
+    /// The range of the common friction coefficient; both ends may be equal.
+    pub range: [f64; 2],
+    /// No mode may have a growth rate above the negative of this, 1/s.
+    pub margin: f64,
+    /// Number of starts of the search; the first one is the scene itself.
+    pub starts: usize,
+    /// The seed of the other starts.
+    pub seed: u64,
+    /// Number of points of the trade-off between those of the scene and of the least growth rate.
+    pub points: usize,
+    /// Runs after pushes that verify the design: their scene is replaced by the scene and by the design.
+    pub pushes: Option<Pushes<'a>>,
+}
+
+/// A change of the scene with its effect.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reached {
+    /// The relative change of each value that may change.
+    pub changes: Vec<f64>,
+    /// The size of the change: the root of the sum of the squares of costs times relative changes.
+    pub size: f64,
+    /// The mode that grows fastest over the range.
+    pub worst: Worst,
+}
+
+/// The ends of the searches from one start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Start {
+    /// The end of the search for the smallest change that keeps the limit. It may not keep it.
+    pub smallest: Reached,
+    /// The end of the search for the least growth rate.
+    pub least: Reached,
+}
+
+/// The results of a design.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FoundDesign {
+    /// The mode of the scene that grows fastest over the range.
+    pub before: Worst,
+    /// The change with the least growth rate that was found within the bounds.
+    pub least: Reached,
+    /// `true` if `design` keeps the limit.
+    pub is_kept: bool,
+    /// The smallest change that keeps the limit; if none was found, that with the least growth rate. Changes have four digits.
+    pub design: Reached,
+    /// Number of starts of which the search kept the limit, and of those that ended at a change of the same size, to 1 %.
+    pub agreeing: [usize; 2],
+    /// The searches from all starts.
+    pub starts: Vec<Start>,
+    /// Smallest changes for growth rates between that of the scene and the least one, by size.
+    pub trade_off: Vec<Reached>,
+    /// The largest growth rates of the scene and of the design, 1/s, over friction coefficients of the range.
+    pub growth: Vec<Growth>,
+    /// The verification of `design`.
+    pub checked: Checked,
+}
+
+/// The largest growth rates at a friction coefficient.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Growth {
+    /// The friction coefficient.
+    pub friction: f64,
+    /// That of the scene, 1/s.
+    pub before: f64,
+    /// That of the design, 1/s.
+    pub after: f64,
+}
+
+impl DesignQuestion<'_> {
+    fn over<'a>(&'a self, watch: Watch<'a>) -> OverRange<'a> {
+        let structure =
+            Structure { scene: self.scene, varied: self.varied, patterns: self.patterns, watch };
+        OverRange { structure, range: self.range }
+    }
+
+    /// The start of a search with this number.
+    fn start(&self, number: usize) -> Vec<f64> {
+        let coordinate = |(place, one): (u64, &Varied)| {
+            let [low, high] = one.bounds;
+            low + (high - low) * random(self.seed, &[number as u64, place])
+        };
+        match number {
+            0 => vec![0.0; self.varied.len()],
+            _ => (0..).zip(self.varied).map(coordinate).collect(),
+        }
+    }
+}
+
+/// The smallest change after which no mode of the chosen contact states has a growth rate above a limit over a range of friction
+/// coefficients. `None` if the watch ended the work: finished pieces are in the journal.
+///
+/// # Errors
+/// Returns an error if the scene cannot be analysed over the range, if a state has no derivatives, or if the journal cannot be
+/// written.
+pub fn design(
+    question: &DesignQuestion<'_>,
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Result<Option<FoundDesign>, Error> {
+    // Runs take most of the time.
+    let part = |from: f64, to: f64| move |part: f64| (watch.progress)(from + (to - from) * part);
+    let (of_starts, of_trade, of_first, of_second) =
+        (part(0.0, 0.3), part(0.3, 0.4), part(0.4, 0.7), part(0.7, 1.0));
+    let over = question.over(Watch { progress: &|_| {}, ..watch });
+    let scene_itself = vec![0.0; question.varied.len()];
+    let before = over.worst(&scene_itself)?;
+    let unit = unit(before.eigenvalue.re, question.margin);
+    let limit = -question.margin - SURPLUS * unit;
+    let smallest = Aim { limit, unit, is_small: true };
+    let least = Aim { is_small: false, ..smallest };
+    let reached = |solved: &Solved| Reached {
+        size: over.size(&solved.changes),
+        changes: solved.changes.clone(),
+        worst: Worst::of(&over, &solved.worst),
+    };
+    let work = |number: usize| {
+        journal.piece(&format!("start {}", number + 1), || {
+            on_this_thread(|| {
+                let start = question.start(number);
+                let found = over.solve(smallest, &start).and_then(|smallest| {
+                    let least = over.solve(least, &smallest.changes)?;
+                    Ok(Start { smallest: reached(&smallest), least: reached(&least) })
+                });
+                if watch.is_over() { Ok(None) } else { found.map(Some) }
+            })
+        })
+    };
+    let parts = Watch { progress: &of_starts, ..watch };
+    let starts = collect(question.starts, &work, &parts.parts(question.starts))?;
+    let Some(starts) = starts.into_iter().collect::<Option<Vec<Start>>>() else { return Ok(None) };
+    let all = || starts.iter().flat_map(|start| [&start.smallest, &start.least]);
+    let by_growth = |a: &&Reached, b: &&Reached| a.worst.growth.total_cmp(&b.worst.growth);
+    let least =
+        all().min_by(by_growth).cloned().ok_or_else(|| Error::argument("there is no start"))?;
+    let is_kept =
+        |reached: &&Reached| reached.worst.growth <= -question.margin - 0.5 * SURPLUS * unit;
+    let by_size = |a: &&Reached, b: &&Reached| a.size.total_cmp(&b.size);
+    let kept = all().filter(is_kept).min_by(by_size).cloned();
+    let agreeing = {
+        let smallest = || starts.iter().map(|start| &start.smallest).filter(is_kept);
+        let size = kept.as_ref().map_or(0.0, |kept| kept.size);
+        [smallest().count(), smallest().filter(|it| it.size <= 1.01 * size).count()]
+    };
+    let chosen = kept.as_ref().unwrap_or(&least);
+    let changes: Vec<f64> = chosen.changes.iter().map(|change| rounded(*change)).collect();
+    let worst = Worst::of(&over, &over.worst(&changes)?);
+    let design = Reached { size: over.size(&changes), changes, worst };
+    let Some(trade_off) = trade_off(
+        question,
+        &over,
+        [
+            &Reached { changes: scene_itself.clone(), size: 0.0, worst: Worst::of(&over, &before) },
+            &design,
+            &least,
+        ],
+        journal,
+        Watch { progress: &of_trade, ..watch },
+    )?
+    else {
+        return Ok(None);
+    };
+    let designed = scene_at(question.scene, question.varied, &design.changes)?;
+    let runs = match &question.pushes {
+        None => None,
+        Some(pushes) => {
+            let first = Watch { progress: &of_first, ..watch };
+            let second = Watch { progress: &of_second, ..watch };
+            let before = runs(pushes, question.scene, "run of the scene", journal, first)?;
+            let after = runs(pushes, &designed, "run of the design", journal, second)?;
+            let Some(both) = before.zip(after) else { return Ok(None) };
+            Some([both.0, both.1])
+        }
+    };
+    let looked = over.finer();
+    let no_equilibrium = no_equilibrium(&over, &design.changes, &looked)?;
+    let remaining = match no_equilibrium {
+        Some(_) => None,
+        None => remaining(&designed, question.range, watch)?,
+    };
+    let [before_over, after_over] =
+        [&scene_itself, &design.changes].map(|changes| over.growth(changes, &looked));
+    let both = before_over?.into_iter().zip(after_over?);
+    let growth = looked.iter().zip(both).map(|(&friction, (before, after))| Growth {
+        friction,
+        before,
+        after,
+    });
+    let growth = growth.collect();
+    let checked = Checked {
+        frictions: looked.len(),
+        worst: design.worst.clone(),
+        no_equilibrium,
+        remaining,
+        runs,
+    };
+    Ok(Some(FoundDesign {
+        before: Worst::of(&over, &before),
+        least,
+        is_kept: design.worst.growth <= -question.margin,
+        design,
+        agreeing,
+        starts,
+        trade_off,
+        growth,
+        checked,
+    }))
+}
+
+/// A growth rate that makes others comparable: the way from that of the scene to the limit.
+fn unit(growth: f64, margin: f64) -> f64 {
+    let way = (growth + margin).abs();
+    if way > 0.0 { way } else { f64::max(growth.abs(), f64::MIN_POSITIVE) }
+}
+
+/// A change with four digits.
+fn rounded(change: f64) -> f64 {
+    to_significant(change, DIGITS)
+}
+
+/// Smallest changes for growth rates between that of the scene and the least one, by size. The scene itself, the design and the
+/// change with the least growth rate are among them.
+fn trade_off(
+    question: &DesignQuestion<'_>,
+    over: &OverRange<'_>,
+    [before, design, least]: [&Reached; 3],
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Result<Option<Vec<Reached>>, Error> {
+    let [from, to] = [before.worst.growth, least.worst.growth];
+    let mut found = vec![before.clone()];
+    let mut last = before.clone();
+    for number in 1..=question.points {
+        #[allow(clippy::cast_precision_loss)]
+        let part = number as f64 / (question.points + 1) as f64;
+        let limit = from + (to - from) * part;
+        let piece = journal.piece(&format!("trade-off {number}"), || {
+            let aim = Aim { limit, unit: from - to, is_small: true };
+            let mut ends = Vec::new();
+            for start in [&last.changes, &design.changes] {
+                match over.solve(aim, start) {
+                    Err(_) if watch.is_over() => return Ok(None),
+                    solved => ends.push(solved?),
+                }
+            }
+            let ends = ends.into_iter().map(|solved| Reached {
+                size: over.size(&solved.changes),
+                worst: Worst::of(over, &solved.worst),
+                changes: solved.changes,
+            });
+            let excess = |it: &Reached| f64::max(it.worst.growth - limit, 0.0) > 1e-6 * (from - to);
+            Ok(ends.min_by(|a, b| {
+                (excess(a), a.size).partial_cmp(&(excess(b), b.size)).expect("numbers")
+            }))
+        })?;
+        let Some(piece) = piece else { return Ok(None) };
+        last = piece.clone();
+        found.push(piece);
+        if watch.ends_after(part) {
+            return Ok(None);
+        }
+    }
+    found.extend([design.clone(), least.clone()]);
+    found.sort_by(|a, b| a.size.total_cmp(&b.size).then(a.worst.growth.total_cmp(&b.worst.growth)));
+    // A larger change that is no better is no part of the trade-off.
+    let mut best = f64::INFINITY;
+    found.retain(|it| {
+        let is_better = it.worst.growth < best;
+        best = best.min(it.worst.growth);
+        is_better
+    });
+    Ok(Some(found))
+}

@@ -1,0 +1,129 @@
+//! What eigenvalues on a finer grid and runs after pushes say of a design.
+
+use super::limits::Found;
+use super::search::OverRange;
+use crate::journal::Journal;
+use crate::robustness::{Pushes, Squeals, squeals};
+use crate::stability::candidates::{bistability, candidates_at};
+use crate::stability::{Linearised, MAX_CONTACTS};
+use crate::watch::Watch;
+use amontons::Error;
+use amontons::contact::JoinedStates;
+use amontons::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// The mode that grows fastest over a range of friction coefficients.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Worst {
+    /// Its growth rate, 1/s.
+    pub growth: f64,
+    /// Its frequency, Hz; 0 if it does not oscillate.
+    pub frequency: f64,
+    /// The friction coefficient.
+    pub friction: f64,
+    /// The contact state, as `Sl-St`.
+    pub states: String,
+}
+
+/// A mode of a state that was not among the chosen ones and grows while uniform sliding is stable.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Remaining {
+    /// The contact state, as `Sl-St`.
+    pub states: String,
+    /// The range of friction coefficients in which the mode grows.
+    pub range: [f64; 2],
+    /// The frequency of the mode at the end of the range, Hz.
+    pub frequency: f64,
+    /// Its growth rate there, 1/s.
+    pub growth: f64,
+}
+
+/// What was found of a design.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Checked {
+    /// Number of friction coefficients at which the eigenvalues of the chosen states were computed.
+    pub frictions: usize,
+    /// The mode of the chosen states that grows fastest.
+    pub worst: Worst,
+    /// The range of the friction coefficient, where an equilibrium is missing there, as the reason; `None` if there is one at
+    /// every friction coefficient.
+    pub no_equilibrium: Option<(f64, String)>,
+    /// Candidates for a second motion that are left; `None` if there are too many contacts to look at all states.
+    pub remaining: Option<Vec<Remaining>>,
+    /// Runs after pushes, at random friction coefficients of the range, of the scene and of the design; `None` if none
+    /// were asked for.
+    pub runs: Option<[Squeals; 2]>,
+}
+
+impl Worst {
+    pub(super) fn of(over: &OverRange<'_>, found: &Found) -> Self {
+        let Found { place, eigenvalue } = found;
+        Self {
+            growth: eigenvalue.re,
+            frequency: eigenvalue.im / TAU,
+            friction: place.friction,
+            states: JoinedStates(&over.structure.patterns[place.pattern]).to_string(),
+        }
+    }
+}
+
+/// The runs of a scene after pushes; a name tells them from others in the journal.
+///
+/// # Errors
+/// Returns the errors of [`squeals`].
+pub(super) fn runs(
+    pushes: &Pushes<'_>,
+    scene: &Scene,
+    name: &str,
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Result<Option<Squeals>, Error> {
+    squeals(&Pushes { scene, name, ..*pushes }, journal, watch)
+}
+
+/// The first friction coefficient of a range at which there is no equilibrium with all contacts as uniform sliding has them.
+pub(super) fn no_equilibrium(
+    over: &OverRange<'_>,
+    changes: &[f64],
+    frictions: &[f64],
+) -> Result<Option<(f64, String)>, Error> {
+    for friction in frictions {
+        let here: Linearised = over.structure.model(changes, *friction)?;
+        if let Err(error) = here.equilibrium() {
+            if !error.is_equilibrium() {
+                return Err(error);
+            }
+            return Ok(Some((*friction, error.to_string())));
+        }
+    }
+    Ok(None)
+}
+
+/// The candidates for a second motion of a scene over a range; `None` if there are too many contacts, or no equilibrium.
+pub(super) fn remaining(
+    scene: &Scene,
+    range: [f64; 2],
+    watch: Watch<'_>,
+) -> Result<Option<Vec<Remaining>>, Error> {
+    if scene.contact_count() > MAX_CONTACTS {
+        return Ok(None);
+    }
+    let found = if range[0] == range[1] {
+        let scene = Scene { friction_coefficient: range[0], ..scene.clone() };
+        candidates_at(&scene, watch)
+    } else {
+        bistability(scene, range, watch).map(|found| found.candidates)
+    };
+    let found = match found {
+        Err(error) if error.is_equilibrium() => return Ok(None),
+        found => found?,
+    };
+    let remaining = found.iter().map(|one| Remaining {
+        states: JoinedStates(&one.states).to_string(),
+        range: one.range,
+        frequency: one.at_end[0],
+        growth: one.at_end[1],
+    });
+    Ok(Some(remaining.collect()))
+}

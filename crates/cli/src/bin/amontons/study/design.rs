@@ -1,0 +1,447 @@
+//! `amontons study design`.
+
+use super::arguments::{ObservationOptions, StudyArguments};
+use super::folder::{Folder, quoted};
+use super::{found, prepared_again, set_pace};
+use amontons::Error;
+use amontons::contact::{ContactState, JoinedStates};
+use amontons::decimal::to_significant;
+use amontons::error::{Rounded, Short};
+use amontons::scene::Scene;
+use amontons::simulation::at_instant;
+use amontons_analysis::design::{
+    Checked, DesignQuestion, FoundDesign, Varied, Vary, Worst, design, varied,
+};
+use amontons_analysis::instant::{require_undriven, signals_left_out};
+use amontons_analysis::robustness::{
+    Distribution, End, Estimate, Pushes, Squeals, Uncertain, parameters,
+};
+use amontons_analysis::stability::{Linearised, StateClasses, named_states};
+use amontons_analysis::study::{ObservationSettings, Push};
+use amontons_analysis::sweep::FRICTION;
+use amontons_analysis::sweep::range::{assignment, ends, number};
+use amontons_cli::charts::design::{growth, trade_off};
+use amontons_cli::say;
+use amontons_cli::shards::ShardArguments;
+use amontons_export::documentation::counted;
+use clap::Args;
+use serde_json::json;
+
+/// The name that stands for all contact states.
+const ALL: &str = "all";
+/// The most contacts of which all states are among the conditions of a design: 256 states.
+const MOST_CONTACTS: usize = 4;
+
+#[derive(Args)]
+pub struct DesignArguments {
+    #[command(flatten)]
+    pub common: StudyArguments,
+    #[command(flatten)]
+    pub shared: ShardArguments,
+    /// A value that may change, with its range: NAME=±20%, NAME=-10%:30% or NAME=A:B. `*` in NAME stands for any part, and all
+    /// parts change by the same percentage; may be repeated
+    #[arg(long, value_name = "NAME=RANGE", value_parser = Vary::parse)]
+    pub vary: Vec<Vary>,
+    /// Range of the friction coefficient in which no mode may grow, or one value
+    #[arg(long, value_name = "A:B", value_parser = friction)]
+    pub friction: [f64; 2],
+    /// A contact state in which no mode may grow: one for all contacts (Sl), one for each (Sl-St), by names (pad=St,*=Sl), or
+    /// `all`; may be repeated [default: uniform sliding]
+    #[arg(long, value_name = "STATE")]
+    pub state: Vec<String>,
+    /// Growth rate, 1/s, by which all modes stay below zero [default: a tenth of the slowest decay without friction]
+    #[arg(long, value_name = "1/S", allow_hyphen_values = true)]
+    pub margin: Option<f64>,
+    /// The factor by which changes of a name count in the size of a change; may be repeated [default: 1]
+    #[arg(long, value_name = "NAME=FACTOR", value_parser = assignment)]
+    pub cost: Vec<(String, f64)>,
+    /// Let each part that a `*` stands for change by itself
+    #[arg(long)]
+    pub each: bool,
+    /// Number of starts of the search: the scene itself, and random changes within the bounds
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub starts: usize,
+    /// Seed of the starts and of the pushes
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// Number of points of the trade-off between growth rate and change
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub points: usize,
+    /// Largest velocity of the pushes that verify the design, m/s, as a distribution [default: uniform from 0 to the velocity
+    /// of the fastest surface]
+    #[arg(long, value_name = "DISTRIBUTION", value_parser = Distribution::parse)]
+    pub pushes: Option<Distribution>,
+    /// Number of runs after pushes at random friction coefficients of the range, of the scene and of the design each; 0
+    /// leaves them out
+    #[arg(long, value_name = "N", default_value_t = 40)]
+    pub runs: u64,
+    #[command(flatten)]
+    pub options: ObservationOptions,
+}
+
+/// A range of friction coefficients, or one value.
+fn friction(text: &str) -> Result<[f64; 2], String> {
+    let range = if text.contains(':') { ends(text)? } else { [number(text)?; 2] };
+    if range[0] < 0.0 {
+        return Err(format!("a friction coefficient of {} is not possible", Short(range[0])));
+    }
+    Ok(range)
+}
+
+pub fn run(arguments: &DesignArguments) -> Result<(), Box<dyn std::error::Error>> {
+    let DesignArguments { common, shared, options, seed, .. } = arguments;
+    let (scene, source) = found(common)?;
+    require_undriven(&scene, FRICTION)?;
+    let varied = varied(&scene, &arguments.vary, arguments.each, &arguments.cost)?;
+    if let Some(left_out) = signals_left_out(&scene, 0.0) {
+        eprintln!("note: {left_out}");
+    }
+    check(arguments, &scene)?;
+    let has_runs = arguments.runs > 0;
+    let mut scene = at_instant(&scene, 0.0)?;
+    scene.check()?;
+    let range = possible(&scene, arguments.friction)?;
+    let patterns = patterns(&scene, &arguments.state)?;
+    let margin = match arguments.margin {
+        Some(margin) => margin,
+        None => slowest_decay(&scene, &patterns)? / 10.0,
+    };
+    let pushes = match &arguments.pushes {
+        Some(pushes) => pushes.clone(),
+        None => default_pushes(&scene)?,
+    };
+    if has_runs {
+        let observation = ObservationSettings::of(&scene, &options.request())?;
+        set_pace(&mut scene, common, &observation, amontons_analysis::study::pace)?;
+    }
+    let velocity = super::robustness::push_velocity(&pushes)?;
+    let names: Vec<String> = patterns.iter().map(|it| JoinedStates(it).to_string()).collect();
+    let look = has_runs.then(|| json!({ "pushes": pushes.to_string(), "look": options }));
+    let settings = json!({
+        "vary": varied,
+        "friction": range,
+        "states": names,
+        "margin": margin,
+        "starts": arguments.starts,
+        "seed": seed,
+        "points": arguments.points,
+        "runs": look,
+    });
+    let mut folder = Folder::open_shared(common, *shared, "design", (&scene, &source), settings)?;
+    let prepare = |scene: &mut Scene| prepared_again(scene, common, options);
+    let scattered = match range[0] < range[1] {
+        true => {
+            let text = format!("{FRICTION}=uniform({:?},{:?})", range[0], range[1]);
+            parameters(&scene, &[Uncertain::parse(&text)?])?
+        }
+        false => Vec::new(),
+    };
+    let scene =
+        if range[0] < range[1] { scene } else { Scene { friction_coefficient: range[0], ..scene } };
+    let pushed = Pushes {
+        scene: &scene,
+        parameters: &scattered,
+        velocity: &velocity,
+        prepare: &prepare,
+        runs: arguments.runs,
+        seed: *seed,
+        name: "run",
+    };
+    let question = DesignQuestion {
+        scene: &scene,
+        varied: &varied,
+        patterns: &patterns,
+        range,
+        margin,
+        starts: arguments.starts,
+        seed: *seed,
+        points: arguments.points,
+        pushes: has_runs.then_some(pushed),
+    };
+    let Some(found) = folder.found(|journal, watch| design(&question, journal, watch))? else {
+        return Ok(());
+    };
+    write(&folder, &varied, margin, &found)?;
+    print(&scene, &question, &pushes, &found);
+    if range[0] < range[1] {
+        folder.draw("growth", &growth(&scene, &found))?;
+    }
+    folder.draw("trade-off", &trade_off(&scene, &found))?;
+    say!("\nresults and pictures are in {}", folder.path().display());
+    Ok(())
+}
+
+/// Refuses a study whose numbers make no sense.
+fn check(arguments: &DesignArguments, scene: &Scene) -> Result<(), Error> {
+    if arguments.starts == 0 || arguments.starts > 1000 {
+        return Err(Error::argument(format!(
+            "{} starts are not possible; give --starts from 1 to 1000",
+            arguments.starts
+        )));
+    }
+    if arguments.points > 1000 {
+        return Err(Error::argument(format!(
+            "{} points of the trade-off are too many; give --points up to 1000",
+            arguments.points
+        )));
+    }
+    if arguments.margin.is_some_and(|margin| !(margin >= 0.0 && margin.is_finite())) {
+        return Err(Error::argument(
+            "the margin is a growth rate by which all modes stay below zero; give --margin 0 or more, 1/s",
+        ));
+    }
+    if arguments.runs > 0 && !scene.signals.is_empty() {
+        return Err(Error::argument(format!(
+            "{} has signals, which keep it in motion whether it squeals or not: give --runs 0, or remove the signals from the \
+             scene",
+            scene.name
+        )));
+    }
+    Ok(())
+}
+
+/// The part of a range of the friction coefficient that static friction leaves possible.
+fn possible(scene: &Scene, range: [f64; 2]) -> Result<[f64; 2], Error> {
+    match scene.greatest_friction() {
+        Some(greatest) if range[1] > greatest => Err(Error::argument(format!(
+            "the range of --friction ends at {}, above the static friction {}: end it there",
+            Short(range[1]),
+            Short(greatest)
+        ))),
+        _ => Ok(range),
+    }
+}
+
+/// The contact states in which no mode may grow.
+fn patterns(scene: &Scene, names: &[String]) -> Result<Vec<Vec<ContactState>>, Error> {
+    let here = Linearised::of(scene);
+    if names.is_empty() {
+        return Ok(vec![here.uniform_sliding()?]);
+    }
+    let mut found: Vec<Vec<ContactState>> = Vec::new();
+    for name in names {
+        let states = if name == ALL {
+            if scene.contact_count() > MOST_CONTACTS {
+                return Err(Error::argument(format!(
+                    "{} contacts have 4^{} states; `--state all` is for up to {MOST_CONTACTS} contacts: name the states that \
+                     matter, such as those of the candidates of `amontons-stability bistable`",
+                    scene.contact_count(),
+                    scene.contact_count()
+                )));
+            }
+            StateClasses::of(here.model())?.states.into_iter().map(|(states, _)| states).collect()
+        } else {
+            vec![named_states(name, scene, &here)?]
+        };
+        for states in states {
+            if !found.contains(&states) {
+                found.push(states);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The decay rate of the slowest mode of some contact states without friction, 1/s.
+fn slowest_decay(scene: &Scene, patterns: &[Vec<ContactState>]) -> Result<f64, Error> {
+    let mut slowest = f64::INFINITY;
+    let here = Linearised::of(&Scene { friction_coefficient: 0.0, ..scene.clone() });
+    for states in patterns {
+        let found = amontons::stability::Spectrum::of(here.linear()?, states)?;
+        slowest = slowest.min(-found.growth_rate());
+    }
+    Ok(if slowest.is_finite() { to_significant(slowest.max(0.0), 3) } else { 0.0 })
+}
+
+/// Pushes from nothing up to the velocity of the fastest surface.
+fn default_pushes(scene: &Scene) -> Result<Distribution, Error> {
+    let fastest = 1000.0 * Push::of(scene).velocity;
+    Distribution::parse(&format!("uniform(0,{:?})", to_significant(fastest, 6)))
+        .map_err(Error::argument)
+}
+
+fn write(
+    folder: &Folder,
+    varied: &[Varied],
+    margin: f64,
+    found: &FoundDesign,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let head = ["name", "unit", "before", "after", "change", "from", "to", "cost"];
+    let rows = varied.iter().zip(&found.design.changes).flat_map(|(one, change)| {
+        one.parts.iter().map(move |part| {
+            let [from, to] = part.values;
+            [
+                quoted(&part.name),
+                part.unit.to_owned(),
+                format!("{:?}", part.nominal),
+                format!("{:?}", part.at(*change)),
+                format!("{change:?}"),
+                format!("{from:?}"),
+                format!("{to:?}"),
+                format!("{:?}", one.cost),
+            ]
+        })
+    });
+    folder.write_csv(&head, rows)?;
+    let mut head = vec!["size", "growth_rate", "frequency", "friction", "states"];
+    head.extend(varied.iter().map(|one| &*one.name));
+    let head: Vec<String> = head
+        .iter()
+        .map(|name| if name.contains(['[', '*']) { quoted(name) } else { (*name).to_owned() })
+        .collect();
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
+    let rows = found.trade_off.iter().map(|it| {
+        let Worst { growth, frequency, friction, states } = &it.worst;
+        let mut row = vec![
+            format!("{:?}", it.size),
+            format!("{growth:?}"),
+            format!("{frequency:?}"),
+            format!("{friction:?}"),
+            states.clone(),
+        ];
+        row.extend(it.changes.iter().map(|change| format!("{change:?}")));
+        row
+    });
+    folder.write_table("trade-off", &head, rows)?;
+    let rows = found
+        .growth
+        .iter()
+        .map(|at| [at.friction, at.before, at.after].map(|value| format!("{value:?}")));
+    folder.write_table("growth", &["friction", "before", "after"], rows)?;
+    folder.write_json(json!({ "margin": margin, "found": found }))
+}
+
+fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, found: &FoundDesign) {
+    let [from, to] = question.range;
+    let range = if from == to {
+        format!("µ = {}", Short(from))
+    } else {
+        format!("µ from {} to {}", Short(from), Short(to))
+    };
+    let states: Vec<String> =
+        question.patterns.iter().take(4).map(|it| JoinedStates(it).to_string()).collect();
+    let more = match question.patterns.len().saturating_sub(4) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    say!("{}: {range}, states {}{more}", scene.name, states.join(", "));
+    say!("no mode may have a growth rate above {} 1/s", Rounded(0.0 - question.margin));
+    say!("\nthe scene       {}", told(&found.before));
+    say!("the design      {}", told(&found.design.worst));
+    if found.is_kept {
+        if found.design.size == 0.0 {
+            say!("the scene itself keeps the limit: nothing has to change");
+        }
+        let [kept, same] = found.agreeing;
+        say!(
+            "{kept} of {} keep the limit, {same} of them with a change of this size, to 1 %",
+            counted(found.starts.len(), "start", "starts")
+        );
+    } else {
+        say!(
+            "NOT REACHED: of {} none keeps the limit within these ranges; the design is the change with the least growth rate. \
+             This is no proof that there is none: give wider ranges, more --vary, a smaller --margin or more --starts",
+            counted(found.starts.len(), "start", "starts")
+        );
+    }
+    say!("\nsize of the change {} %", Rounded(100.0 * found.design.size));
+    let widest = question.varied.iter().map(|one| one.name.len()).max().unwrap_or(0);
+    for (one, change) in question.varied.iter().zip(&found.design.changes) {
+        let [low, high] = one.bounds;
+        let bound = match *change {
+            change if change <= low => ", its lower bound",
+            change if change >= high => ", its upper bound",
+            _ => "",
+        };
+        let values = match &one.parts[..] {
+            [part] => {
+                format!("{} to {} {}", Short(part.nominal), Rounded(part.at(*change)), part.unit)
+            }
+            parts => counted(parts.len(), "value", "values"),
+        };
+        say!("  {:<widest$}  {:>+8.3} %{bound}  ({values})", one.name, 100.0 * change);
+    }
+    if found.trade_off.len() > 1 {
+        say!("\ngrowth rate against change");
+        say!("  {:>12}  {:>12}", "change [%]", "rate [1/s]");
+        for it in &found.trade_off {
+            say!("  {:>12.4}  {:>12.4}", 100.0 * it.size, it.worst.growth);
+        }
+    }
+    print_checked(question, pushes, &found.checked);
+    let set = question.varied.iter().zip(&found.design.changes).flat_map(|(one, change)| {
+        one.parts.iter().map(move |part| format!("--set '{}={:?}'", part.name, part.at(*change)))
+    });
+    say!("\nthe design, for any command: {}", set.collect::<Vec<_>>().join(" "));
+}
+
+/// A mode with its growth rate and place.
+fn told(worst: &Worst) -> String {
+    format!(
+        "largest growth rate {} 1/s, at {:.2} Hz, µ = {}, {}",
+        Rounded(worst.growth),
+        worst.frequency,
+        Rounded(worst.friction),
+        worst.states
+    )
+}
+
+fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: &Checked) {
+    say!("\nverified of the design");
+    say!(
+        "  eigenvalues at {} of the friction coefficient, and at the peak between them",
+        counted(checked.frictions, "value", "values")
+    );
+    match &checked.no_equilibrium {
+        Some((friction, why)) => {
+            say!("  NO EQUILIBRIUM from µ = {} on: {why}", Rounded(*friction));
+        }
+        None => say!("  there is an equilibrium in sliding at all of them"),
+    }
+    match &checked.remaining {
+        None => say!("  candidates for a second motion were not looked for"),
+        Some(remaining) if remaining.is_empty() => {
+            say!("  no contact state has a growing mode while uniform sliding is stable");
+        }
+        Some(remaining) => {
+            say!(
+                "  {} for a second motion left:",
+                counted(remaining.len(), "candidate", "candidates")
+            );
+            for one in remaining {
+                let [from, to] = one.range;
+                say!(
+                    "    {} from µ = {} to {}, {:.2} Hz, {} 1/s",
+                    one.states,
+                    Rounded(from),
+                    Rounded(to),
+                    one.frequency,
+                    Rounded(one.growth)
+                );
+            }
+        }
+    }
+    let Some([before, after]) = &checked.runs else {
+        say!("not verified: no runs after pushes");
+        return;
+    };
+    say!(
+        "  {} runs after pushes of {pushes} m/s{}",
+        question.pushes.as_ref().map_or(0, |pushes| pushes.runs),
+        if question.range[0] < question.range[1] { ", at random µ of the range" } else { "" }
+    );
+    for (name, runs) in [("scene", before), ("design", after)] {
+        say!("    {name:<7} {}", ends_of(runs));
+    }
+    say!("not verified: larger pushes, and other friction coefficients");
+}
+
+/// The ends of runs in one line.
+fn ends_of(runs: &Squeals) -> String {
+    let all = [End::Rests, End::Squeals, End::NotSettled, End::NoEquilibrium, End::Failed];
+    let counts = all.iter().filter(|end| runs.count(**end) > 0);
+    let counts: Vec<String> =
+        counts.map(|end| format!("{} {}", runs.count(*end), end.name())).collect();
+    let Estimate { low, high, .. } = runs.probability;
+    format!("{}; P(squeals) {:.1} to {:.1} %", counts.join(", "), 100.0 * low, 100.0 * high)
+}
