@@ -11,6 +11,9 @@ use amontons::scene::Scene;
 use amontons::stability::Spectrum;
 use nalgebra::Complex;
 
+/// The part of a range over which differences are taken.
+const SECANT: f64 = 1e-4;
+
 /// The scene, its changes, and the contact states in which no mode may grow.
 #[derive(Clone, Copy)]
 pub(super) struct Structure<'a> {
@@ -95,18 +98,44 @@ impl Structure<'_> {
             let Place { pattern, friction } = places[i][0].place;
             let here = self.model(changes, friction)?;
             let values: Vec<Complex<f64>> = places[i].iter().map(|it| it.eigenvalue).collect();
-            let all = group_derivatives(&here, &self.patterns[pattern], &groups, &values)?;
-            let rows = values.iter().zip(all).map(|(value, by)| Row {
-                growth: value.re,
-                // A merged mode has no derivative: the others decide.
-                by: by.map_or_else(
-                    || vec![0.0; self.varied.len()],
-                    |by| by.iter().map(|by| by.re).collect(),
-                ),
+            // Shapes of modes that are about to merge may not be told apart.
+            let all = group_derivatives(&here, &self.patterns[pattern], &groups, &values)
+                .unwrap_or_else(|_| vec![None; values.len()]);
+            let rows = values.iter().zip(all).map(|(value, by)| {
+                let by = match by {
+                    Some(by) => by.iter().map(|by| by.re).collect(),
+                    None => self.secants(changes, places[i][0].place, *value)?,
+                };
+                Ok(Row { growth: value.re, by })
             });
-            Ok(rows.collect::<Vec<Row>>())
+            rows.collect::<Result<Vec<Row>, Error>>()
         };
         Ok(collect(places.len(), &at, &|_| {})?.into_iter().flatten().collect())
+    }
+
+    /// Differences of a mode's growth rate over small changes, 1/s for a change of 1: what stands for derivatives where modes
+    /// merge.
+    fn secants(
+        &self,
+        changes: &[f64],
+        Place { pattern, friction }: Place,
+        from: Complex<f64>,
+    ) -> Result<Vec<f64>, Error> {
+        let by = |i: usize| {
+            let [low, high] = self.varied[i].bounds;
+            let step =
+                if changes[i] < 0.5 * (low + high) { SECANT } else { -SECANT } * (high - low);
+            let mut moved = changes.to_vec();
+            moved[i] += step;
+            let here = self.model(&moved, friction)?;
+            let Spectrum { oscillating, real } =
+                Spectrum::of(here.linear()?, &self.patterns[pattern])?;
+            let all = oscillating.into_iter().chain(real.into_iter().map(Complex::from));
+            let near = |it: &Complex<f64>| (it - from).norm();
+            let to = all.min_by(|a, b| near(a).total_cmp(&near(b)).then(b.re.total_cmp(&a.re)));
+            Ok(to.map_or(0.0, |to| (to.re - from.re) / step))
+        };
+        (0..self.varied.len()).map(by).collect()
     }
 }
 

@@ -6,7 +6,7 @@
 //! | `limits` | growth rates over the range of µ, with their derivatives by the changes |
 //! | `solver` | sequential quadratic programs in a trust region |
 //! | `search` | solutions that hold between the values of µ, from several starts |
-//! | `verify` | what eigenvalues on a finer grid and runs after pushes say of a design |
+//! | `verify` | verification of a design: eigenvalues on a finer grid, equilibria, candidates, runs after pushes |
 //! | `study` | the design, its trade-off with the growth rate, and its verification |
 
 mod limits;

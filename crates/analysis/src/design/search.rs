@@ -10,6 +10,8 @@ use amontons::Error;
 const STEPS: f64 = 40.0;
 /// The steps with which a solution is looked at, for each of the first ones.
 const FINER: f64 = 10.0;
+/// The part of the unit of growth within which a larger change is tried.
+const NEAR: f64 = 0.1;
 /// The most rounds in which values of µ are added.
 const MOST_ROUNDS: usize = 12;
 
@@ -46,14 +48,35 @@ impl OverRange<'_> {
             let is_known = frictions.contains(&worst.place.friction);
             let aim_is_met = worst.eigenvalue.re <= aim.limit.max(solved.worst.eigenvalue.re);
             if aim_is_met || is_known {
-                return Ok(Solved { worst, ..solved });
+                return self.within(aim, Solved { worst, ..solved });
             }
             frictions.push(worst.place.friction);
             frictions.sort_by(f64::total_cmp);
             from = solved.changes;
         }
         let worst = self.worst(&from)?;
-        Ok(Solved { changes: from, worst })
+        self.within(aim, Solved { changes: from, worst })
+    }
+
+    /// A solution that is above its limit by little, with a slightly larger change that keeps it, if there is one.
+    fn within(&self, aim: Aim, solved: Solved) -> Result<Solved, Error> {
+        let above = solved.worst.eigenvalue.re - aim.limit;
+        if !aim.is_small || above <= 0.0 || above > NEAR * aim.unit {
+            return Ok(solved);
+        }
+        let mut part = 1e-7;
+        while part < 0.1 {
+            let larger = solved.changes.iter().zip(self.structure.varied);
+            let larger = larger
+                .map(|(change, one)| (change * (1.0 + part)).clamp(one.bounds[0], one.bounds[1]));
+            let changes: Vec<f64> = larger.collect();
+            let worst = self.worst(&changes)?;
+            if worst.eigenvalue.re <= aim.limit {
+                return Ok(Solved { changes, worst });
+            }
+            part *= 4.0;
+        }
+        Ok(solved)
     }
 
     /// The mode that grows fastest in the range after these changes. It is sought at values ten times as dense as those of the
@@ -95,7 +118,18 @@ impl OverRange<'_> {
         Ok(at.filter_map(fastest).map(|it| it.eigenvalue.re).collect())
     }
 
-    /// The relative size of a change: the root of Σ (cᵢ xᵢ)².
+    /// `true` if nothing damps the scene: without friction no mode decays or grows.
+    pub(super) fn is_undamped(&self) -> Result<bool, Error> {
+        let unchanged = vec![0.0; self.structure.varied.len()];
+        let here = self.structure.model(&unchanged, self.range[0])?;
+        let model = here.model();
+        let friction =
+            here.linear()?.friction().all(|it| it.damping == 0.0 && it.transverse == 0.0);
+        let damping = model.damping.alpha == 0.0 && model.damping.beta == 0.0;
+        Ok(friction && damping && model.dampers.entries().all(|entry| entry.2 == 0.0))
+    }
+
+    /// The relative size of a change: the root of Σ nᵢ (cᵢ xᵢ)².
     pub(super) fn size(&self, changes: &[f64]) -> f64 {
         squares(self.structure.varied, changes).sqrt()
     }

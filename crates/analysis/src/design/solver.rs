@@ -1,6 +1,7 @@
 //! Sequential quadratic programs in a trust region.
 //!
-//! With relative changes x, costs c and growth rates g, the aim is the least ½ Σ (cᵢ xᵢ)² with max g ≤ limit, between bounds.
+//! With relative changes x of n values each, costs c and growth rates g, the aim is the least ½ Σ nᵢ (cᵢ xᵢ)² with max g ≤
+//! limit, between bounds.
 //! Each step solves it with g linear in x, and with a price ρ on what is above the limit: a quadratic program, which has a
 //! solution even where the limit cannot be kept. The step is taken if the true function becomes less by a part of what was
 //! foretold (Fletcher, Practical Methods of Optimization, 2000, sec. 14.5).
@@ -32,6 +33,23 @@ pub(super) struct Aim {
     pub(super) unit: f64,
     /// `false` if the size of the change does not count: the search is for the least growth rate.
     pub(super) is_small: bool,
+    /// `true` if nothing damps the structure: growth rates above 0 are then roots of the distance to a merging, and the search takes
+    /// their squares, which are smooth.
+    pub(super) is_undamped: bool,
+}
+
+impl Aim {
+    /// A growth rate (1/s) in units, smooth in the changes.
+    fn measure(&self, growth: f64) -> f64 {
+        let part = growth / self.unit;
+        if self.is_undamped && part > 0.0 { part * part } else { part }
+    }
+
+    /// The derivative of the measure by the growth rate, s.
+    fn slope(&self, growth: f64) -> f64 {
+        let part = growth / self.unit;
+        if self.is_undamped && part > 0.0 { 2.0 * part / self.unit } else { 1.0 / self.unit }
+    }
 }
 
 /// An end of the search.
@@ -69,6 +87,10 @@ impl Search<'_> {
     /// Returns an error if the start cannot be analysed, or if the watch has ended the work.
     pub(super) fn from(&self, start: &[f64]) -> Result<Solved, Error> {
         let mut here = self.at(start)?;
+        let mut inside = None;
+        if self.is_flat(&here) {
+            (here, inside) = self.edge(here)?;
+        }
         let mut price = PRICE;
         let mut radius = 0.3;
         // Places that have broken the limit in a trial, though no mode there was near it before.
@@ -95,7 +117,9 @@ impl Search<'_> {
                     continue;
                 }
             };
-            let gained = now - self.merit(&step, trial.worst.eigenvalue.re, price);
+            let (trial, trial_inside) =
+                if self.is_flat(&trial) { self.edge(trial)? } else { (trial, None) };
+            let gained = now - self.merit(&trial.changes, trial.worst.eigenvalue.re, price);
             if gained < 0.25 * foretold {
                 let place = trial.worst.place;
                 if !remembered.contains(&place) {
@@ -107,11 +131,58 @@ impl Search<'_> {
                 radius = f64::min(2.0 * radius, 1.0);
             }
             if gained > 1e-3 * foretold {
-                here = trial;
+                (here, inside) = (trial, trial_inside.or(inside));
                 linear = self.linear(&here, &remembered)?;
             }
         }
-        Ok(Solved { changes: here.changes, worst: here.worst })
+        let At { changes, worst, .. } = match inside {
+            Some(inside) => self.last_stable(here, inside)?,
+            None => here,
+        };
+        Ok(Solved { changes, worst })
+    }
+
+    /// `true` for changes after which a structure that nothing damps is stable: its growth rates are 0 in the neighbourhood, and do
+    /// not tell where they begin.
+    fn is_flat(&self, at: &At) -> bool {
+        let Aim { limit, is_small, is_undamped, .. } = self.aim;
+        is_undamped && is_small && limit <= 0.0 && at.worst.eigenvalue.re <= 0.0
+    }
+
+    /// Two changes on the way from the scene itself to stable ones: one that grows a little, and a stable one near it. If the scene
+    /// itself does not grow, the stable changes alone.
+    fn edge(&self, stable: At) -> Result<(At, Option<At>), Error> {
+        let mut grows = self.at(&vec![0.0; stable.changes.len()])?;
+        if grows.worst.eigenvalue.re <= 0.0 {
+            return Ok((stable, None));
+        }
+        let mut stable = stable;
+        // Nearer to the merging shapes are too much alike for derivatives.
+        while grows.worst.eigenvalue.re > 0.03 * self.aim.unit {
+            let Some(middle) = self.middle(&grows, &stable)? else { break };
+            if self.is_flat(&middle) { stable = middle } else { grows = middle }
+        }
+        Ok((grows, Some(stable)))
+    }
+
+    /// Stable changes as near as can be to changes that grow, on the straight way between the two.
+    fn last_stable(&self, mut grows: At, mut stable: At) -> Result<At, Error> {
+        for _ in 0..30 {
+            let Some(middle) = self.middle(&grows, &stable)? else { break };
+            if self.is_flat(&middle) { stable = middle } else { grows = middle }
+        }
+        Ok(stable)
+    }
+
+    /// The changes half-way between two; `None` if the two are neighbours.
+    fn middle(&self, a: &At, b: &At) -> Result<Option<At>, Error> {
+        let both = a.changes.iter().zip(&b.changes);
+        let middle: Vec<f64> = both.map(|(a, b)| 0.5 * (a + b)).collect();
+        if middle == a.changes || middle == b.changes {
+            Ok(None)
+        } else {
+            self.at(&middle).map(Some)
+        }
     }
 
     fn at(&self, changes: &[f64]) -> Result<At, Error> {
@@ -139,32 +210,37 @@ impl Search<'_> {
         Ok(Linear { rows: self.structure.rows(&here.changes, &modes)? })
     }
 
-    /// The sum of the squares of the costs that all bounds allow.
+    /// The largest Σ nᵢ (cᵢ xᵢ)² that the bounds allow.
     fn largest(&self) -> f64 {
         let largest = |[low, high]: [f64; 2]| high.max(-low);
-        self.structure.varied.iter().map(|one| (one.cost * largest(one.bounds)).powi(2)).sum()
+        self.structure.varied.iter().map(|one| one.weight() * largest(one.bounds).powi(2)).sum()
     }
 
-    /// The weight of ½ Σ (cᵢ xᵢ)².
+    /// The weight of ½ Σ nᵢ (cᵢ xᵢ)².
     fn weight(&self) -> f64 {
         let weight = if self.aim.is_small { 1.0 } else { 1e-6 };
         weight / self.largest()
     }
 
     fn merit(&self, changes: &[f64], growth: f64, price: f64) -> f64 {
-        let above = (growth - self.aim.limit) / self.aim.unit;
+        self.merit_of(changes, self.aim.measure(growth), price)
+    }
+
+    /// The merit of changes with this measure of the largest growth rate.
+    fn merit_of(&self, changes: &[f64], measure: f64, price: f64) -> f64 {
+        let above = measure - self.aim.measure(self.aim.limit);
         let above = if self.aim.is_small { above.max(0.0) } else { above };
         0.5 * self.weight() * squares(self.structure.varied, changes) + price * above
     }
 
-    /// The merit after a step, with growth rates linear in the changes.
+    /// The merit after a step, with measures of growth rates linear in the changes.
     fn foretold(&self, step: &[f64], from: &[f64], linear: &Linear, price: f64) -> f64 {
         let rates = linear.rows.iter().map(|row| {
             let moved =
                 row.by.iter().zip(step.iter().zip(from)).map(|(by, (to, from))| by * (to - from));
-            row.growth + moved.sum::<f64>()
+            self.aim.measure(row.growth) + self.aim.slope(row.growth) * moved.sum::<f64>()
         });
-        self.merit(step, rates.fold(f64::NEG_INFINITY, f64::max), price)
+        self.merit_of(step, rates.fold(f64::NEG_INFINITY, f64::max), price)
     }
 
     /// The relative changes after the step of the quadratic program.
@@ -182,7 +258,7 @@ impl Search<'_> {
         // Unknowns: steps in halves of the bounds, then what is above the limit in units.
         let (mut diagonal, mut slope) = (Vec::new(), Vec::new());
         for (i, one) in varied.iter().enumerate() {
-            let curvature = self.weight() * (one.cost * half[i]).powi(2);
+            let curvature = self.weight() * one.weight() * half[i].powi(2);
             diagonal.push(curvature);
             slope.push(curvature * from[i] / half[i]);
         }
@@ -190,11 +266,12 @@ impl Search<'_> {
         slope.push(price);
         let (mut rows, mut values) = (Vec::new(), Vec::new());
         for row in &linear.rows {
+            let slope = self.aim.slope(row.growth);
             let mut by: Vec<f64> =
-                row.by.iter().zip(&half).map(|(by, half)| by * half / self.aim.unit).collect();
+                row.by.iter().zip(&half).map(|(by, half)| by * half * slope).collect();
             by.push(-1.0);
             rows.push(by);
-            values.push((self.aim.limit - row.growth) / self.aim.unit);
+            values.push(self.aim.measure(self.aim.limit) - self.aim.measure(row.growth));
         }
         let unknown = |i: usize, value: f64| {
             let mut row = vec![0.0; count + 1];
@@ -240,9 +317,9 @@ impl Search<'_> {
     }
 }
 
-/// Σ (cᵢ xᵢ)².
+/// Σ nᵢ (cᵢ xᵢ)².
 pub(super) fn squares(varied: &[super::Varied], changes: &[f64]) -> f64 {
-    varied.iter().zip(changes).map(|(one, change)| (one.cost * change).powi(2)).sum()
+    varied.iter().zip(changes).map(|(one, change)| one.weight() * change.powi(2)).sum()
 }
 
 fn failed(error: &dyn std::fmt::Display) -> Error {

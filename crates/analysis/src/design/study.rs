@@ -3,8 +3,8 @@
 use super::limits::Structure;
 use super::search::OverRange;
 use super::solver::{Aim, Solved};
-use super::vary::{Varied, scene_at};
-use super::verify::{Checked, Worst, no_equilibrium, remaining, runs};
+use super::vary::Varied;
+use super::verify::{Checked, Worst, verified};
 use crate::journal::Journal;
 use crate::robustness::{Pushes, random};
 use crate::stability::parallel::{collect, on_this_thread};
@@ -18,8 +18,8 @@ use serde::{Deserialize, Serialize};
 /// The part of the way from the scene's growth rate to the limit by which a design is better than the limit asks: its changes are
 /// then rounded to four digits.
 const SURPLUS: f64 = 2e-3;
-/// Digits of a change.
-const DIGITS: usize = 4;
+/// Digits of changes: the first of these with which the limit is kept.
+const DIGITS: [usize; 4] = [4, 6, 9, 17];
 
 /// The question of a design.
 pub struct DesignQuestion<'a> {
@@ -48,7 +48,7 @@ pub struct DesignQuestion<'a> {
 pub struct Reached {
     /// The relative change of each value that may change.
     pub changes: Vec<f64>,
-    /// The size of the change: the root of the sum of the squares of costs times relative changes.
+    /// The size of the change: the root of the sum of the squares of cost times relative change over all values.
     pub size: f64,
     /// The mode that grows fastest over the range.
     pub worst: Worst,
@@ -130,14 +130,31 @@ pub fn design(
 ) -> Result<Option<FoundDesign>, Error> {
     // Runs take most of the time.
     let part = |from: f64, to: f64| move |part: f64| (watch.progress)(from + (to - from) * part);
-    let (of_starts, of_trade, of_first, of_second) =
-        (part(0.0, 0.3), part(0.3, 0.4), part(0.4, 0.7), part(0.7, 1.0));
+    let (of_starts, of_trade, of_runs) = (part(0.0, 0.3), part(0.3, 0.4), part(0.4, 1.0));
     let over = question.over(Watch { progress: &|_| {}, ..watch });
     let scene_itself = vec![0.0; question.varied.len()];
     let before = over.worst(&scene_itself)?;
+    let itself = Reached { changes: scene_itself, size: 0.0, worst: Worst::of(&over, &before) };
+    if before.eigenvalue.re <= -question.margin {
+        let verified = verified(question, &over, &itself, journal, watch)?;
+        return Ok(verified.map(|checked| FoundDesign {
+            before: itself.worst.clone(),
+            least: itself.clone(),
+            is_kept: true,
+            design: itself.clone(),
+            agreeing: [0; 2],
+            starts: Vec::new(),
+            trade_off: Vec::new(),
+            growth: Vec::new(),
+            checked,
+        }));
+    }
+    let is_undamped = over.is_undamped()?;
     let unit = unit(before.eigenvalue.re, question.margin);
-    let limit = -question.margin - SURPLUS * unit;
-    let smallest = Aim { limit, unit, is_small: true };
+    // Without a margin structures are allowed that nothing damps: they have no growth rate below zero.
+    let surplus = if question.margin > 0.0 { SURPLUS * unit } else { 0.0 };
+    let limit = -question.margin - surplus;
+    let smallest = Aim { limit, unit, is_small: true, is_undamped };
     let least = Aim { is_small: false, ..smallest };
     let reached = |solved: &Solved| Reached {
         size: over.size(&solved.changes),
@@ -163,8 +180,7 @@ pub fn design(
     let by_growth = |a: &&Reached, b: &&Reached| a.worst.growth.total_cmp(&b.worst.growth);
     let least =
         all().min_by(by_growth).cloned().ok_or_else(|| Error::argument("there is no start"))?;
-    let is_kept =
-        |reached: &&Reached| reached.worst.growth <= -question.margin - 0.5 * SURPLUS * unit;
+    let is_kept = |reached: &&Reached| reached.worst.growth <= -question.margin;
     let by_size = |a: &&Reached, b: &&Reached| a.size.total_cmp(&b.size);
     let kept = all().filter(is_kept).min_by(by_size).cloned();
     let agreeing = {
@@ -173,66 +189,37 @@ pub fn design(
         [smallest().count(), smallest().filter(|it| it.size <= 1.01 * size).count()]
     };
     let chosen = kept.as_ref().unwrap_or(&least);
-    let changes: Vec<f64> = chosen.changes.iter().map(|change| rounded(*change)).collect();
-    let worst = Worst::of(&over, &over.worst(&changes)?);
-    let design = Reached { size: over.size(&changes), changes, worst };
+    let design = rounded(&over, chosen, -question.margin)?;
     let Some(trade_off) = trade_off(
         question,
         &over,
-        [
-            &Reached { changes: scene_itself.clone(), size: 0.0, worst: Worst::of(&over, &before) },
-            &design,
-            &least,
-        ],
+        smallest,
+        [&itself, &design, &least],
         journal,
         Watch { progress: &of_trade, ..watch },
     )?
     else {
         return Ok(None);
     };
-    let designed = scene_at(question.scene, question.varied, &design.changes)?;
-    let runs = match &question.pushes {
-        None => None,
-        Some(pushes) => {
-            let first = Watch { progress: &of_first, ..watch };
-            let second = Watch { progress: &of_second, ..watch };
-            let before = runs(pushes, question.scene, "run of the scene", journal, first)?;
-            let after = runs(pushes, &designed, "run of the design", journal, second)?;
-            let Some(both) = before.zip(after) else { return Ok(None) };
-            Some([both.0, both.1])
-        }
+    let Some(checked) =
+        verified(question, &over, &design, journal, Watch { progress: &of_runs, ..watch })?
+    else {
+        return Ok(None);
     };
     let looked = over.finer();
-    let no_equilibrium = no_equilibrium(&over, &design.changes, &looked)?;
-    let remaining = match no_equilibrium {
-        Some(_) => None,
-        None => remaining(&designed, question.range, watch)?,
-    };
-    let [before_over, after_over] =
-        [&scene_itself, &design.changes].map(|changes| over.growth(changes, &looked));
-    let both = before_over?.into_iter().zip(after_over?);
-    let growth = looked.iter().zip(both).map(|(&friction, (before, after))| Growth {
-        friction,
-        before,
-        after,
-    });
-    let growth = growth.collect();
-    let checked = Checked {
-        frictions: looked.len(),
-        worst: design.worst.clone(),
-        no_equilibrium,
-        remaining,
-        runs,
-    };
+    let [before, after] = [&itself, &design].map(|it| over.growth(&it.changes, &looked));
+    let both = before?.into_iter().zip(after?);
+    let growth = looked.iter().zip(both);
+    let growth = growth.map(|(&friction, (before, after))| Growth { friction, before, after });
     Ok(Some(FoundDesign {
-        before: Worst::of(&over, &before),
+        before: itself.worst.clone(),
         least,
         is_kept: design.worst.growth <= -question.margin,
         design,
         agreeing,
         starts,
         trade_off,
-        growth,
+        growth: growth.collect(),
         checked,
     }))
 }
@@ -243,9 +230,30 @@ fn unit(growth: f64, margin: f64) -> f64 {
     if way > 0.0 { way } else { f64::max(growth.abs(), f64::MIN_POSITIVE) }
 }
 
-/// A change with four digits.
-fn rounded(change: f64) -> f64 {
-    to_significant(change, DIGITS)
+/// A change with four digits, or with as many as it takes to keep a limit (1/s) that it keeps. A change of a millionth of its
+/// range is 0.
+fn rounded(over: &OverRange<'_>, reached: &Reached, limit: f64) -> Result<Reached, Error> {
+    let to = |digits: usize| {
+        let pairs = over.structure.varied.iter().zip(&reached.changes);
+        let changes = pairs.map(|(one, &change)| {
+            let [low, high] = one.bounds;
+            let is_small = change.abs() <= 1e-6 * (high - low);
+            if is_small { 0.0 } else { to_significant(change, digits).clamp(low, high) }
+        });
+        let changes: Vec<f64> = changes.collect();
+        let worst = Worst::of(over, &over.worst(&changes)?);
+        Ok(Reached { size: over.size(&changes), changes, worst })
+    };
+    if reached.worst.growth > limit {
+        return to(DIGITS[0]);
+    }
+    for digits in DIGITS {
+        let found = to(digits)?;
+        if found.worst.growth <= limit {
+            return Ok(found);
+        }
+    }
+    Ok(reached.clone())
 }
 
 /// Smallest changes for growth rates between that of the scene and the least one, by size. The scene itself, the design and the
@@ -253,6 +261,7 @@ fn rounded(change: f64) -> f64 {
 fn trade_off(
     question: &DesignQuestion<'_>,
     over: &OverRange<'_>,
+    aim: Aim,
     [before, design, least]: [&Reached; 3],
     journal: &Journal,
     watch: Watch<'_>,
@@ -265,7 +274,7 @@ fn trade_off(
         let part = number as f64 / (question.points + 1) as f64;
         let limit = from + (to - from) * part;
         let piece = journal.piece(&format!("trade-off {number}"), || {
-            let aim = Aim { limit, unit: from - to, is_small: true };
+            let aim = Aim { limit, unit: from - to, ..aim };
             let mut ends = Vec::new();
             for start in [&last.changes, &design.changes] {
                 match over.solve(aim, start) {
@@ -295,7 +304,7 @@ fn trade_off(
     // A larger change that is no better is no part of the trade-off.
     let mut best = f64::INFINITY;
     found.retain(|it| {
-        let is_better = it.worst.growth < best;
+        let is_better = it.worst.growth < best - 1e-6 * (from - to);
         best = best.min(it.worst.growth);
         is_better
     });

@@ -110,16 +110,27 @@ pub struct Part {
 }
 
 impl Part {
-    /// The value after a relative change; 0 is the scene's own value to the last bit.
+    /// The value after a relative change, to twelve digits; without one it is the scene's own to the last bit.
     #[must_use]
     pub fn at(&self, change: f64) -> f64 {
         let [low, high] = self.values;
-        (self.nominal + self.scale * change).clamp(low, high)
+        match change {
+            0.0 => self.nominal,
+            _ => to_significant(self.nominal + self.scale * change, 12).clamp(low, high),
+        }
     }
 }
 
-/// The values of a scene that may change. The values of a pattern change together; with `each` every one by itself. `costs` are
-/// the factors of names and patterns, 1 for those that are not named.
+impl Varied {
+    /// The factor of the square of the change in the square of the size of all changes: each value counts.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn weight(&self) -> f64 {
+        self.cost * self.cost * self.parts.len() as f64
+    }
+}
+
+/// The values of a scene that may change, each by itself, or with `together` those of a pattern by one part. `costs` are the
+/// factors of names and patterns, 1 for those that are not named.
 ///
 /// # Errors
 /// Returns an error if nothing may change, if the scene lacks a value, if one is named twice, if it cannot change, or if its
@@ -127,7 +138,7 @@ impl Part {
 pub fn varied(
     scene: &Scene,
     given: &[Vary],
-    each: bool,
+    together: bool,
     costs: &[(String, f64)],
 ) -> Result<Vec<Varied>, Error> {
     if given.is_empty() {
@@ -157,12 +168,12 @@ pub fn varied(
                 )));
             }
             let (part, [low, high]) = part(scene, variable, *range)?;
-            if each {
-                let (name, bounds, parts) = (part.name.clone(), [low, high], vec![part]);
-                found.push(Varied { name, bounds, parts, ..one.clone() });
-            } else {
+            if together {
                 one.bounds = [one.bounds[0].max(low), one.bounds[1].min(high)];
                 one.parts.push(part);
+            } else {
+                let name = part.name.clone();
+                found.push(Varied { name, bounds: [low, high], cost: 1.0, parts: vec![part] });
             }
         }
         if !one.parts.is_empty() {

@@ -1,7 +1,9 @@
-//! What eigenvalues on a finer grid and runs after pushes say of a design.
+//! Verification of a design: eigenvalues on a finer grid, equilibria, candidates, runs after pushes.
 
 use super::limits::Found;
 use super::search::OverRange;
+use super::study::{DesignQuestion, Reached};
+use super::vary::scene_at;
 use crate::journal::Journal;
 use crate::robustness::{Pushes, Squeals, squeals};
 use crate::stability::candidates::{bistability, candidates_at};
@@ -39,15 +41,14 @@ pub struct Remaining {
     pub growth: f64,
 }
 
-/// What was found of a design.
+/// The verification of a design.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Checked {
     /// Number of friction coefficients at which the eigenvalues of the chosen states were computed.
     pub frictions: usize,
     /// The mode of the chosen states that grows fastest.
     pub worst: Worst,
-    /// The range of the friction coefficient, where an equilibrium is missing there, as the reason; `None` if there is one at
-    /// every friction coefficient.
+    /// The least friction coefficient without an equilibrium, and the reason; `None` if each has one.
     pub no_equilibrium: Option<(f64, String)>,
     /// Candidates for a second motion that are left; `None` if there are too many contacts to look at all states.
     pub remaining: Option<Vec<Remaining>>,
@@ -68,18 +69,46 @@ impl Worst {
     }
 }
 
-/// The runs of a scene after pushes; a name tells them from others in the journal.
+/// The verification of a design: eigenvalues, equilibria, candidates, and the runs that the question asks for. `None` if the watch
+/// ended the work.
 ///
 /// # Errors
-/// Returns the errors of [`squeals`].
-pub(super) fn runs(
-    pushes: &Pushes<'_>,
-    scene: &Scene,
-    name: &str,
+/// Returns an error if the design cannot be analysed, or if the journal cannot be written.
+pub(super) fn verified(
+    question: &DesignQuestion<'_>,
+    over: &OverRange<'_>,
+    design: &Reached,
     journal: &Journal,
     watch: Watch<'_>,
-) -> Result<Option<Squeals>, Error> {
-    squeals(&Pushes { scene, name, ..*pushes }, journal, watch)
+) -> Result<Option<Checked>, Error> {
+    let part = |from: f64| move |part: f64| (watch.progress)(from + 0.5 * part);
+    let (of_first, of_second) = (part(0.0), part(0.5));
+    let designed = scene_at(question.scene, question.varied, &design.changes)?;
+    let runs = match &question.pushes {
+        None => None,
+        Some(pushes) => {
+            let runs = |scene: &Scene, name: &str, progress: &(dyn Fn(f64) + Sync)| {
+                let pushes = Pushes { scene, name, ..*pushes };
+                squeals(&pushes, journal, Watch { progress, ..watch })
+            };
+            let before = runs(question.scene, "run of the scene", &of_first)?;
+            let after = if design.size > 0.0 {
+                runs(&designed, "run of the design", &of_second)?
+            } else {
+                before.clone()
+            };
+            let Some((before, after)) = before.zip(after) else { return Ok(None) };
+            Some([before, after])
+        }
+    };
+    let looked = over.finer();
+    let no_equilibrium = no_equilibrium(over, &design.changes, &looked)?;
+    let remaining = match no_equilibrium {
+        Some(_) => None,
+        None => remaining(&designed, question.range, Watch { progress: &|_| {}, ..watch })?,
+    };
+    let worst = design.worst.clone();
+    Ok(Some(Checked { frictions: looked.len(), worst, no_equilibrium, remaining, runs }))
 }
 
 /// The first friction coefficient of a range at which there is no equilibrium with all contacts as uniform sliding has them.

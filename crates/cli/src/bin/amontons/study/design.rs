@@ -38,8 +38,8 @@ pub struct DesignArguments {
     pub common: StudyArguments,
     #[command(flatten)]
     pub shared: ShardArguments,
-    /// A value that may change, with its range: NAME=±20%, NAME=-10%:30% or NAME=A:B. `*` in NAME stands for any part, and all
-    /// parts change by the same percentage; may be repeated
+    /// A value that may change, with its range: NAME=±20%, NAME=-10%:30% or NAME=A:B. `*` in NAME stands for any part, and each
+    /// changes by itself; may be repeated
     #[arg(long, value_name = "NAME=RANGE", value_parser = Vary::parse)]
     pub vary: Vec<Vary>,
     /// Range of the friction coefficient in which no mode may grow, or one value
@@ -55,9 +55,9 @@ pub struct DesignArguments {
     /// The factor by which changes of a name count in the size of a change; may be repeated [default: 1]
     #[arg(long, value_name = "NAME=FACTOR", value_parser = assignment)]
     pub cost: Vec<(String, f64)>,
-    /// Let each part that a `*` stands for change by itself
+    /// Change all parts that a `*` stands for by the same percentage, as those of equal modules
     #[arg(long)]
-    pub each: bool,
+    pub together: bool,
     /// Number of starts of the search: the scene itself, and random changes within the bounds
     #[arg(long, value_name = "N", default_value_t = 8)]
     pub starts: usize,
@@ -92,7 +92,7 @@ pub fn run(arguments: &DesignArguments) -> Result<(), Box<dyn std::error::Error>
     let DesignArguments { common, shared, options, seed, .. } = arguments;
     let (scene, source) = found(common)?;
     require_undriven(&scene, FRICTION)?;
-    let varied = varied(&scene, &arguments.vary, arguments.each, &arguments.cost)?;
+    let varied = varied(&scene, &arguments.vary, arguments.together, &arguments.cost)?;
     if let Some(left_out) = signals_left_out(&scene, 0.0) {
         eprintln!("note: {left_out}");
     }
@@ -163,6 +163,10 @@ pub fn run(arguments: &DesignArguments) -> Result<(), Box<dyn std::error::Error>
     };
     write(&folder, &varied, margin, &found)?;
     print(&scene, &question, &pushes, &found);
+    if found.starts.is_empty() {
+        say!("\nresults are in {}", folder.path().display());
+        return Ok(());
+    }
     if range[0] < range[1] {
         folder.draw("growth", &growth(&scene, &found))?;
     }
@@ -327,11 +331,13 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
     say!("{}: {range}, states {}{more}", scene.name, states.join(", "));
     say!("no mode may have a growth rate above {} 1/s", Rounded(0.0 - question.margin));
     say!("\nthe scene       {}", told(&found.before));
+    if found.starts.is_empty() {
+        say!("the scene itself keeps the limit: nothing has to change");
+        print_checked(question, pushes, &found.checked);
+        return;
+    }
     say!("the design      {}", told(&found.design.worst));
     if found.is_kept {
-        if found.design.size == 0.0 {
-            say!("the scene itself keeps the limit: nothing has to change");
-        }
         let [kept, same] = found.agreeing;
         say!(
             "{kept} of {} keep the limit, {same} of them with a change of this size, to 1 %",
@@ -369,7 +375,9 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
         }
     }
     print_checked(question, pushes, &found.checked);
-    let set = question.varied.iter().zip(&found.design.changes).flat_map(|(one, change)| {
+    let changed =
+        question.varied.iter().zip(&found.design.changes).filter(|(_, change)| **change != 0.0);
+    let set = changed.flat_map(|(one, change)| {
         one.parts.iter().map(move |part| format!("--set '{}={:?}'", part.name, part.at(*change)))
     });
     say!("\nthe design, for any command: {}", set.collect::<Vec<_>>().join(" "));
@@ -387,7 +395,7 @@ fn told(worst: &Worst) -> String {
 }
 
 fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: &Checked) {
-    say!("\nverified of the design");
+    say!("\nverified");
     say!(
         "  eigenvalues at {} of the friction coefficient, and at the peak between them",
         counted(checked.frictions, "value", "values")
@@ -430,8 +438,9 @@ fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: 
         question.pushes.as_ref().map_or(0, |pushes| pushes.runs),
         if question.range[0] < question.range[1] { ", at random µ of the range" } else { "" }
     );
-    for (name, runs) in [("scene", before), ("design", after)] {
-        say!("    {name:<7} {}", ends_of(runs));
+    say!("    scene   {}", ends_of(before));
+    if after != before {
+        say!("    design  {}", ends_of(after));
     }
     say!("not verified: larger pushes, and other friction coefficients");
 }
