@@ -190,22 +190,15 @@ pub fn design(
     };
     let chosen = kept.as_ref().unwrap_or(&least);
     let design = rounded(&over, chosen, -question.margin)?;
-    let Some(trade_off) = trade_off(
-        question,
-        &over,
-        smallest,
-        [&itself, &design, &least],
-        journal,
-        Watch { progress: &of_trade, ..watch },
-    )?
-    else {
-        return Ok(None);
-    };
-    let Some(checked) =
-        verified(question, &over, &design, journal, Watch { progress: &of_runs, ..watch })?
-    else {
-        return Ok(None);
-    };
+    let trade = Watch { progress: &of_trade, ..watch };
+    let trade_off = journal.piece("trade-off", || {
+        let found = trade_off(question, &over, smallest, [&itself, &design, &least], trade);
+        if watch.is_over() { Ok(None) } else { found.map(Some) }
+    })?;
+    // Workers share the runs in the round of the trade-off.
+    let runs = Watch { progress: &of_runs, ..watch };
+    let checked = verified(question, &over, &design, journal, runs)?;
+    let Some((trade_off, checked)) = trade_off.zip(checked) else { return Ok(None) };
     let looked = over.finer();
     let [before, after] = [&itself, &design].map(|it| over.growth(&it.changes, &looked));
     let both = before?.into_iter().zip(after?);
@@ -258,46 +251,37 @@ fn rounded(over: &OverRange<'_>, reached: &Reached, limit: f64) -> Result<Reache
 
 /// Smallest changes for growth rates between that of the scene and the least one, by size. The scene itself, the design and the
 /// change with the least growth rate are among them.
+///
+/// # Errors
+/// Returns an error if a state cannot be analysed, or if the watch has ended the work.
 fn trade_off(
     question: &DesignQuestion<'_>,
     over: &OverRange<'_>,
     aim: Aim,
     [before, design, least]: [&Reached; 3],
-    journal: &Journal,
     watch: Watch<'_>,
-) -> Result<Option<Vec<Reached>>, Error> {
+) -> Result<Vec<Reached>, Error> {
     let [from, to] = [before.worst.growth, least.worst.growth];
     let mut found = vec![before.clone()];
-    let mut last = before.clone();
     for number in 1..=question.points {
         #[allow(clippy::cast_precision_loss)]
         let part = number as f64 / (question.points + 1) as f64;
         let limit = from + (to - from) * part;
-        let piece = journal.piece(&format!("trade-off {number}"), || {
-            let aim = Aim { limit, unit: from - to, ..aim };
-            let mut ends = Vec::new();
-            for start in [&last.changes, &design.changes] {
-                match over.solve(aim, start) {
-                    Err(_) if watch.is_over() => return Ok(None),
-                    solved => ends.push(solved?),
-                }
-            }
-            let ends = ends.into_iter().map(|solved| Reached {
+        let aim = Aim { limit, unit: from - to, ..aim };
+        let last = &found[found.len() - 1];
+        let mut ends = Vec::new();
+        for start in [&last.changes, &design.changes] {
+            let solved = over.solve(aim, start)?;
+            ends.push(Reached {
                 size: over.size(&solved.changes),
                 worst: Worst::of(over, &solved.worst),
                 changes: solved.changes,
             });
-            let excess = |it: &Reached| f64::max(it.worst.growth - limit, 0.0) > 1e-6 * (from - to);
-            Ok(ends.min_by(|a, b| {
-                (excess(a), a.size).partial_cmp(&(excess(b), b.size)).expect("numbers")
-            }))
-        })?;
-        let Some(piece) = piece else { return Ok(None) };
-        last = piece.clone();
-        found.push(piece);
-        if watch.ends_after(part) {
-            return Ok(None);
         }
+        let is_above = |it: &Reached| it.worst.growth - limit > 1e-6 * (from - to);
+        ends.sort_by(|a, b| is_above(a).cmp(&is_above(b)).then(a.size.total_cmp(&b.size)));
+        found.extend(ends.into_iter().next());
+        (watch.progress)(part);
     }
     found.extend([design.clone(), least.clone()]);
     found.sort_by(|a, b| a.size.total_cmp(&b.size).then(a.worst.growth.total_cmp(&b.worst.growth)));
@@ -308,5 +292,5 @@ fn trade_off(
         best = best.min(it.worst.growth);
         is_better
     });
-    Ok(Some(found))
+    Ok(found)
 }

@@ -17,6 +17,7 @@ mod stability_command_line;
 mod structures;
 mod study_basin;
 mod study_continuation;
+mod study_design;
 mod study_limit_cycle;
 mod study_loudness;
 mod study_orbit;

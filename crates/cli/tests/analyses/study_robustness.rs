@@ -37,7 +37,7 @@ fn of(scene: &Scene, parameters: &[Parameter], points: u64, seed: u64) -> Robust
 
 /// Hoffmann's model without damping: a mass of 1 kg on two inclined springs, with a spring under the contact. The surface
 /// between has a mass so that it is a degree of freedom: 1e-9 of the block's, far below what an interval shows.
-fn hoffmann() -> Scene {
+pub fn hoffmann() -> Scene {
     let text = format!(
         "slider = {{ velocity = 0.5, angle = 0.0 }}\nfriction = {{ coefficient = 0.25 }}\n\
          integrator = {{ step = 1e-6 }}\n\
@@ -53,9 +53,9 @@ fn hoffmann() -> Scene {
     parse("two", &text).unwrap()
 }
 
-const K1: f64 = 11.0;
-const K2: f64 = 20.0;
-const K3: f64 = 20.0;
+pub const K1: f64 = 11.0;
+pub const K2: f64 = 20.0;
+pub const K3: f64 = 20.0;
 
 /// µ from which on the two modes grow: (k12 + (k11 − k22)² / (4 k12)) / k3, as (k11 − k22)² + 4 k12 (k12 − µ k3) = 0 says
 /// (Hoffmann et al., Mech. Res. Commun. 29, 2002).
