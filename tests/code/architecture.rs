@@ -45,6 +45,7 @@ const PACKAGES: [(&str, &[&str]); 5] = [
             "orbit",
             "study",
             "robustness",
+            "design",
         ],
     ),
     (

@@ -1,15 +1,16 @@
 //! Growth rates over a range of friction coefficients, with their derivatives by the changes of a design.
 
 use super::vary::{Varied, scene_at};
-use crate::assign::{FRICTION, assign};
 use crate::stability::parallel::collect;
 use crate::stability::{Linearised, group_derivatives};
 use crate::watch::Watch;
 use amontons::Error;
 use amontons::contact::ContactState;
+use amontons::error::Rounded;
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
 use nalgebra::Complex;
+use std::cmp::Ordering;
 
 /// The part of a range over which differences are taken.
 const SECANT: f64 = 1e-4;
@@ -22,6 +23,8 @@ pub(super) struct Structure<'a> {
     pub(super) varied: &'a [Varied],
     /// The contact states, one entry for each contact.
     pub(super) patterns: &'a [Vec<ContactState>],
+    /// `true` if the one contact state is uniform sliding: there must then be an equilibrium in it.
+    pub(super) is_uniform: bool,
     pub(super) watch: Watch<'a>,
 }
 
@@ -52,11 +55,34 @@ pub(super) struct Row {
 
 impl Structure<'_> {
     /// The model after these changes at a friction coefficient.
+    ///
+    /// # Errors
+    /// Returns an error if values are impossible together, or if the equilibrium is not in uniform sliding, where it has to be.
     pub(super) fn model(&self, changes: &[f64], friction: f64) -> Result<Linearised, Error> {
-        let mut scene = scene_at(self.scene, self.varied, changes)?;
-        assign(&mut scene, FRICTION, friction)?;
-        scene.check()?;
-        Ok(Linearised::of(&scene))
+        let mut scene = self.scene.clone();
+        scene.friction_coefficient = friction;
+        let scene = scene_at(&scene, self.varied, changes)?;
+        let here = Linearised::of(&scene);
+        if self.is_uniform {
+            let at =
+                |error: Error| Error::equilibrium(format!("at µ = {}: {error}", Rounded(friction)));
+            here.equilibrium_in(&self.patterns[0]).map_err(at)?;
+        }
+        Ok(here)
+    }
+
+    /// The mode that grows fastest at a place after these changes; `None` if there is no mode.
+    ///
+    /// # Errors
+    /// Returns an error if the state cannot be analysed.
+    pub(super) fn fastest_at(&self, changes: &[f64], place: Place) -> Result<Option<Found>, Error> {
+        self.watch.check()?;
+        let here = self.model(changes, place.friction)?;
+        let Spectrum { oscillating, real } =
+            Spectrum::of(here.linear()?, &self.patterns[place.pattern])?;
+        let all = oscillating.into_iter().chain(real.into_iter().map(Complex::from));
+        let found = all.map(|eigenvalue| Found { place, eigenvalue }).collect::<Vec<_>>();
+        Ok(fastest(&found))
     }
 
     /// All modes of all contact states at these friction coefficients, in the order of these.
@@ -131,9 +157,12 @@ impl Structure<'_> {
             let Spectrum { oscillating, real } =
                 Spectrum::of(here.linear()?, &self.patterns[pattern])?;
             let all = oscillating.into_iter().chain(real.into_iter().map(Complex::from));
-            let near = |it: &Complex<f64>| (it - from).norm();
-            let to = all.min_by(|a, b| near(a).total_cmp(&near(b)).then(b.re.total_cmp(&a.re)));
-            Ok(to.map_or(0.0, |to| (to.re - from.re) / step))
+            let all: Vec<Complex<f64>> = all.collect();
+            let near = |it: &&Complex<f64>| (**it - from).norm();
+            let nearest = all.iter().map(|it| near(&it)).fold(f64::INFINITY, f64::min);
+            // Of two modes that part from a merging both are equally near.
+            let to = all.iter().filter(|it| near(it) <= 1.5 * nearest).map(|it| it.re);
+            Ok((to.fold(f64::NEG_INFINITY, f64::max) - from.re) / step)
         };
         (0..self.varied.len()).map(by).collect()
     }
@@ -141,5 +170,10 @@ impl Structure<'_> {
 
 /// The mode that grows fastest; `None` if there is no mode.
 pub(super) fn fastest(modes: &[Found]) -> Option<Found> {
-    modes.iter().copied().max_by(|a, b| a.eigenvalue.re.total_cmp(&b.eigenvalue.re))
+    modes.iter().copied().max_by(by_growth)
+}
+
+/// The order of growth rates.
+pub(super) fn by_growth(a: &Found, b: &Found) -> Ordering {
+    a.eigenvalue.re.total_cmp(&b.eigenvalue.re)
 }

@@ -1,7 +1,8 @@
 //! Solutions that hold between the values of µ, from several starts.
 
-use super::limits::{Found, Place, Structure, fastest};
+use super::limits::{Found, Place, Structure, by_growth, fastest};
 use super::solver::{Aim, Search, Solved, squares};
+use super::vary::{Part, Varied};
 use crate::spectral::largest;
 use crate::stability::candidates::spread;
 use amontons::Error;
@@ -12,6 +13,8 @@ const STEPS: f64 = 40.0;
 const FINER: f64 = 10.0;
 /// The part of the unit of growth within which a larger change is tried.
 const NEAR: f64 = 0.1;
+/// The most peaks between values of µ that are looked at, the highest first.
+const MOST_PEAKS: usize = 5;
 /// The most rounds in which values of µ are added.
 const MOST_ROUNDS: usize = 12;
 
@@ -32,6 +35,22 @@ impl OverRange<'_> {
     /// The values of µ at which a solution is looked at.
     pub(super) fn finer(&self) -> Vec<f64> {
         self.values(STEPS * FINER)
+    }
+
+    /// The part of a change, halved until the scene is possible after it over the whole range.
+    ///
+    /// # Errors
+    /// Returns an error if the watch has ended the work.
+    pub(super) fn possible(&self, mut changes: Vec<f64>) -> Result<Vec<f64>, Error> {
+        let values = self.values(STEPS);
+        for _ in 0..30 {
+            match self.structure.modes(&changes, &values) {
+                Err(error) if self.structure.watch.is_over() => return Err(error),
+                Err(_) => changes.iter_mut().for_each(|change| *change *= 0.5),
+                Ok(_) => return Ok(changes),
+            }
+        }
+        Ok(vec![0.0; changes.len()])
     }
 
     /// The end of a search for an aim from a start, with as many values of µ as it takes for the aim to be kept between them too.
@@ -90,22 +109,43 @@ impl OverRange<'_> {
         let none =
             || Error::analysis("contacts hold all motions in these states, so there is no mode");
         let worst = fastest(&modes).ok_or_else(none)?;
-        let place = values.iter().position(|value| *value == worst.place.friction).unwrap_or(0);
-        if place == 0 || place + 1 >= values.len() {
-            return Ok(worst);
+        let mut peaks = self.peaks(&modes, &values);
+        peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut found = worst;
+        for (_, pattern, ends) in peaks.into_iter().take(MOST_PEAKS) {
+            let at =
+                |friction: f64| self.structure.fastest_at(changes, Place { pattern, friction });
+            let rate = |friction: f64| match at(friction) {
+                Ok(Some(it)) => it.eigenvalue.re,
+                _ => f64::NEG_INFINITY,
+            };
+            found = at(largest(&rate, ends))?
+                .into_iter()
+                .chain([found])
+                .max_by(by_growth)
+                .unwrap_or(found);
         }
-        let Place { pattern, .. } = worst.place;
-        let growth = |friction: f64| {
-            let found = self.structure.modes(changes, &[friction]).ok()?;
-            let of_pattern: Vec<Found> =
-                found.into_iter().filter(|it| it.place.pattern == pattern).collect();
-            fastest(&of_pattern)
-        };
-        let ends = [values[place - 1], values[place + 1]];
-        let rate = |friction| growth(friction).map_or(f64::NEG_INFINITY, |it| it.eigenvalue.re);
-        let peak = largest(&rate, ends);
-        let peak = growth(peak).filter(|it| it.eigenvalue.re > worst.eigenvalue.re);
-        Ok(peak.unwrap_or(worst))
+        Ok(found)
+    }
+
+    /// The peaks of each contact state's largest growth rate over values of µ: the rate, the state, and the neighbours between which
+    /// the peak lies.
+    fn peaks(&self, modes: &[Found], values: &[f64]) -> Vec<(f64, usize, [f64; 2])> {
+        let mut peaks = Vec::new();
+        for pattern in 0..self.structure.patterns.len() {
+            let mut rates = vec![f64::NEG_INFINITY; values.len()];
+            let at = modes.chunk_by(|a, b| a.place.friction == b.place.friction);
+            for (rate, found) in rates.iter_mut().zip(at) {
+                let of_pattern = found.iter().filter(|it| it.place.pattern == pattern);
+                *rate = of_pattern.map(|it| it.eigenvalue.re).fold(*rate, f64::max);
+            }
+            for (place, three) in rates.windows(3).enumerate() {
+                if three[1] >= three[0] && three[1] >= three[2] && three[1].is_finite() {
+                    peaks.push((three[1], pattern, [values[place], values[place + 2]]));
+                }
+            }
+        }
+        peaks
     }
 
     /// The largest growth rate at each of these values of µ after these changes, 1/s.
@@ -118,10 +158,14 @@ impl OverRange<'_> {
         Ok(at.filter_map(fastest).map(|it| it.eigenvalue.re).collect())
     }
 
-    /// `true` if nothing damps the scene: without friction no mode decays or grows.
+    /// `true` if nothing damps the scene, nor the scene after its changes: without friction no mode decays or grows.
     pub(super) fn is_undamped(&self) -> Result<bool, Error> {
-        let unchanged = vec![0.0; self.structure.varied.len()];
-        let here = self.structure.model(&unchanged, self.range[0])?;
+        let varied = self.structure.varied;
+        let damps = |one: &Varied| one.parts.iter().any(Part::damps);
+        if varied.iter().any(damps) {
+            return Ok(false);
+        }
+        let here = self.structure.model(&vec![0.0; varied.len()], self.range[0])?;
         let model = here.model();
         let friction =
             here.linear()?.friction().all(|it| it.damping == 0.0 && it.transverse == 0.0);

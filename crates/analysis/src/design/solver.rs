@@ -6,7 +6,7 @@
 //! solution even where the limit cannot be kept. The step is taken if the true function becomes less by a part of what was
 //! foretold (Fletcher, Practical Methods of Optimization, 2000, sec. 14.5).
 
-use super::limits::{Found, Place, Structure, fastest};
+use super::limits::{Found, Place, Row, Structure, fastest};
 use amontons::Error;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
@@ -21,6 +21,12 @@ const MOST_ROWS: usize = 80;
 const PRICE: f64 = 10.0;
 /// The most by which the price grows where the limit is not kept.
 const HIGHEST_PRICE: f64 = 1e5;
+/// A step that foretells less than this part of the function ends the search.
+const ROUNDING: f64 = 1e-12;
+/// A limit that is broken by less than this part of the unit is kept but for the rounding of quadratic programs.
+const KEPT: f64 = 1e-6;
+/// The part of the way to a trial at which its mode is made linear: equal modes are apart there.
+const LITTLE: f64 = 1e-4;
 /// A trust region narrower than this part of the bounds ends the search.
 const NARROWEST: f64 = 1e-9;
 
@@ -33,7 +39,7 @@ pub(super) struct Aim {
     pub(super) unit: f64,
     /// `false` if the size of the change does not count: the search is for the least growth rate.
     pub(super) is_small: bool,
-    /// `true` if nothing damps the structure: growth rates above 0 are then roots of the distance to a merging, and the search takes
+    /// `true` if nothing damps the structure, whatever the changes are: growth rates above 0 are then roots of the distance to a merging, and the search takes
     /// their squares, which are smooth.
     pub(super) is_undamped: bool,
 }
@@ -75,11 +81,6 @@ struct At {
     worst: Found,
 }
 
-/// The linear problem about relative changes.
-struct Linear {
-    rows: Vec<super::limits::Row>,
-}
-
 impl Search<'_> {
     /// The end of the search from a start, within the bounds.
     ///
@@ -93,15 +94,20 @@ impl Search<'_> {
         }
         let mut price = PRICE;
         let mut radius = 0.3;
-        // Places that have broken the limit in a trial, though no mode there was near it before.
-        let mut remembered: Vec<Place> = Vec::new();
+        // Trials that were worse than foretold: by a mode that was not near the limit before, or by one of several equal modes, of which
+        // each direction has another.
+        let mut remembered: Vec<(Place, Vec<f64>)> = Vec::new();
         let mut linear = self.linear(&here, &remembered)?;
         for _ in 0..MOST_STEPS {
             let now = self.merit(&here.changes, here.worst.eigenvalue.re, price);
-            let step = self.step(&here.changes, &linear, price, radius)?;
+            let Some(step) = self.step(&here.changes, &linear, price, radius)? else {
+                radius *= 0.3;
+                continue;
+            };
             let foretold = now - self.foretold(&step, &here.changes, &linear, price);
-            if foretold <= 1e-12 * now.abs().max(1e-6) || radius < NARROWEST {
-                let is_kept = here.worst.eigenvalue.re <= self.aim.limit;
+            if foretold <= ROUNDING * now.abs().max(1e-6) || radius < NARROWEST {
+                let above = here.worst.eigenvalue.re - self.aim.limit;
+                let is_kept = above <= KEPT * self.aim.unit;
                 if is_kept || price >= HIGHEST_PRICE || !self.aim.is_small {
                     break;
                 }
@@ -121,11 +127,9 @@ impl Search<'_> {
                 if self.is_flat(&trial) { self.edge(trial)? } else { (trial, None) };
             let gained = now - self.merit(&trial.changes, trial.worst.eigenvalue.re, price);
             if gained < 0.25 * foretold {
-                let place = trial.worst.place;
-                if !remembered.contains(&place) {
-                    remembered.push(place);
-                    linear = self.linear(&here, &remembered)?;
-                }
+                remembered.retain(|it| it.0 != trial.worst.place);
+                remembered.push((trial.worst.place, trial.changes.clone()));
+                linear = self.linear(&here, &remembered)?;
                 radius *= 0.3;
             } else if gained > 0.7 * foretold {
                 radius = f64::min(2.0 * radius, 1.0);
@@ -193,21 +197,29 @@ impl Search<'_> {
         Ok(At { changes: changes.to_vec(), modes, worst })
     }
 
-    /// The derivatives of the modes that are near the limit or grow fastest, and of the fastest mode at each remembered place.
-    fn linear(&self, here: &At, remembered: &[Place]) -> Result<Linear, Error> {
+    /// The growth rates, linear in the changes, of the modes that are near the limit or grow fastest, and of the fastest mode at
+    /// each remembered place, a little on the way to its trial.
+    fn linear(&self, here: &At, remembered: &[(Place, Vec<f64>)]) -> Result<Vec<Row>, Error> {
         let from = here.worst.eigenvalue.re.min(self.aim.limit) - 0.5 * self.aim.unit;
         let mut places: Vec<usize> = (0..here.modes.len()).collect();
         let growth = |place: &usize| here.modes[*place].eigenvalue.re;
         places.sort_by(|a, b| growth(b).total_cmp(&growth(a)));
         let mut chosen: Vec<usize> =
             places.iter().copied().filter(|place| growth(place) >= from).take(MOST_ROWS).collect();
-        for place in remembered {
-            chosen.extend(places.iter().copied().find(|i| here.modes[*i].place == *place));
-        }
         chosen.sort_unstable();
-        chosen.dedup();
         let modes: Vec<Found> = chosen.into_iter().map(|place| here.modes[place]).collect();
-        Ok(Linear { rows: self.structure.rows(&here.changes, &modes)? })
+        let mut rows = self.structure.rows(&here.changes, &modes)?;
+        for (place, trial) in remembered {
+            let way: Vec<f64> =
+                trial.iter().zip(&here.changes).map(|(to, from)| LITTLE * (to - from)).collect();
+            let moved: Vec<f64> = here.changes.iter().zip(&way).map(|(x, step)| x + step).collect();
+            let Some(mode) = self.structure.fastest_at(&moved, *place)? else { continue };
+            for mut row in self.structure.rows(&moved, &[mode])? {
+                row.growth -= row.by.iter().zip(&way).map(|(by, step)| by * step).sum::<f64>();
+                rows.push(row);
+            }
+        }
+        Ok(rows)
     }
 
     /// The largest Σ nᵢ (cᵢ xᵢ)² that the bounds allow.
@@ -234,8 +246,8 @@ impl Search<'_> {
     }
 
     /// The merit after a step, with measures of growth rates linear in the changes.
-    fn foretold(&self, step: &[f64], from: &[f64], linear: &Linear, price: f64) -> f64 {
-        let rates = linear.rows.iter().map(|row| {
+    fn foretold(&self, step: &[f64], from: &[f64], linear: &[Row], price: f64) -> f64 {
+        let rates = linear.iter().map(|row| {
             let moved =
                 row.by.iter().zip(step.iter().zip(from)).map(|(by, (to, from))| by * (to - from));
             self.aim.measure(row.growth) + self.aim.slope(row.growth) * moved.sum::<f64>()
@@ -243,14 +255,14 @@ impl Search<'_> {
         self.merit_of(step, rates.fold(f64::NEG_INFINITY, f64::max), price)
     }
 
-    /// The relative changes after the step of the quadratic program.
+    /// The relative changes after the step of the quadratic program; `None` if its solver fails.
     fn step(
         &self,
         from: &[f64],
-        linear: &Linear,
+        linear: &[Row],
         price: f64,
         radius: f64,
-    ) -> Result<Vec<f64>, Error> {
+    ) -> Result<Option<Vec<f64>>, Error> {
         let varied = self.structure.varied;
         let count = varied.len();
         let half: Vec<f64> =
@@ -265,7 +277,7 @@ impl Search<'_> {
         diagonal.push(0.0);
         slope.push(price);
         let (mut rows, mut values) = (Vec::new(), Vec::new());
-        for row in &linear.rows {
+        for row in linear {
             let slope = self.aim.slope(row.growth);
             let mut by: Vec<f64> =
                 row.by.iter().zip(&half).map(|(by, half)| by * half * slope).collect();
@@ -307,13 +319,12 @@ impl Search<'_> {
         solver.solve();
         match solver.solution.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {}
-            // No step: the trust region becomes narrower.
-            _ => return Ok(from.to_vec()),
+            _ => return Ok(None),
         }
         let steps = solver.solution.x.iter().zip(bounds).zip(from.iter().zip(&half));
         let steps =
             steps.map(|((step, [low, high]), (from, half))| from + half * step.clamp(low, high));
-        Ok(steps.collect())
+        Ok(Some(steps.collect()))
     }
 }
 

@@ -29,6 +29,8 @@ pub struct DesignQuestion<'a> {
     pub varied: &'a [Varied],
     /// The contact states in which no mode may grow, one entry for each contact.
     pub patterns: &'a [Vec<ContactState>],
+    /// `true` if the one contact state is uniform sliding: the equilibrium must then be in it over the whole range.
+    pub is_uniform: bool,
     /// The range of the common friction coefficient; both ends may be equal.
     pub range: [f64; 2],
     /// No mode may have a growth rate above the negative of this, 1/s.
@@ -99,8 +101,13 @@ pub struct Growth {
 
 impl DesignQuestion<'_> {
     fn over<'a>(&'a self, watch: Watch<'a>) -> OverRange<'a> {
-        let structure =
-            Structure { scene: self.scene, varied: self.varied, patterns: self.patterns, watch };
+        let structure = Structure {
+            scene: self.scene,
+            varied: self.varied,
+            patterns: self.patterns,
+            is_uniform: self.is_uniform,
+            watch,
+        };
         OverRange { structure, range: self.range }
     }
 
@@ -128,6 +135,17 @@ pub fn design(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<FoundDesign>, Error> {
+    match found(question, journal, watch) {
+        Err(_) if watch.is_over() => Ok(None),
+        found => found,
+    }
+}
+
+fn found(
+    question: &DesignQuestion<'_>,
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Result<Option<FoundDesign>, Error> {
     // Runs take most of the time.
     let part = |from: f64, to: f64| move |part: f64| (watch.progress)(from + (to - from) * part);
     let (of_starts, of_trade, of_runs) = (part(0.0, 0.3), part(0.3, 0.4), part(0.4, 1.0));
@@ -149,7 +167,7 @@ pub fn design(
             checked,
         }));
     }
-    let is_undamped = over.is_undamped()?;
+    let is_undamped = question.margin == 0.0 && over.is_undamped()?;
     let unit = unit(before.eigenvalue.re, question.margin);
     // Without a margin structures are allowed that nothing damps: they have no growth rate below zero.
     let surplus = if question.margin > 0.0 { SURPLUS * unit } else { 0.0 };
@@ -164,12 +182,14 @@ pub fn design(
     let work = |number: usize| {
         journal.piece(&format!("start {}", number + 1), || {
             on_this_thread(|| {
-                let start = question.start(number);
-                let found = over.solve(smallest, &start).and_then(|smallest| {
-                    let least = over.solve(least, &smallest.changes)?;
-                    Ok(Start { smallest: reached(&smallest), least: reached(&least) })
-                });
-                if watch.is_over() { Ok(None) } else { found.map(Some) }
+                let start = over.possible(question.start(number))?;
+                let mut kept = over.solve(smallest, &start)?;
+                let least = over.solve(least, &kept.changes)?;
+                let keeps = |it: &Solved| it.worst.eigenvalue.re <= -question.margin;
+                if keeps(&least) && !keeps(&kept) {
+                    kept = over.solve(smallest, &least.changes)?;
+                }
+                Ok(Some(Start { smallest: reached(&kept), least: reached(&least) }))
             })
         })
     };
@@ -192,8 +212,7 @@ pub fn design(
     let design = rounded(&over, chosen, -question.margin)?;
     let trade = Watch { progress: &of_trade, ..watch };
     let trade_off = journal.piece("trade-off", || {
-        let found = trade_off(question, &over, smallest, [&itself, &design, &least], trade);
-        if watch.is_over() { Ok(None) } else { found.map(Some) }
+        trade_off(question, &over, smallest, [&itself, &design, &least], trade).map(Some)
     })?;
     // Workers share the runs in the round of the trade-off.
     let runs = Watch { progress: &of_runs, ..watch };
@@ -205,7 +224,7 @@ pub fn design(
     let growth = looked.iter().zip(both);
     let growth = growth.map(|(&friction, (before, after))| Growth { friction, before, after });
     Ok(Some(FoundDesign {
-        before: itself.worst.clone(),
+        before: itself.worst,
         least,
         is_kept: design.worst.growth <= -question.margin,
         design,
@@ -237,13 +256,12 @@ fn rounded(over: &OverRange<'_>, reached: &Reached, limit: f64) -> Result<Reache
         let worst = Worst::of(over, &over.worst(&changes)?);
         Ok(Reached { size: over.size(&changes), changes, worst })
     };
-    if reached.worst.growth > limit {
-        return to(DIGITS[0]);
-    }
     for digits in DIGITS {
-        let found = to(digits)?;
-        if found.worst.growth <= limit {
-            return Ok(found);
+        match to(digits) {
+            Err(error) if over.structure.watch.is_over() => return Err(error),
+            Ok(found) if found.worst.growth <= limit.max(reached.worst.growth) => return Ok(found),
+            // Rounded values may also be impossible together.
+            _ => {}
         }
     }
     Ok(reached.clone())
@@ -263,6 +281,9 @@ fn trade_off(
 ) -> Result<Vec<Reached>, Error> {
     let [from, to] = [before.worst.growth, least.worst.growth];
     let mut found = vec![before.clone()];
+    if from <= to {
+        return Ok(found);
+    }
     for number in 1..=question.points {
         #[allow(clippy::cast_precision_loss)]
         let part = number as f64 / (question.points + 1) as f64;

@@ -10,6 +10,7 @@ use amontons::Error;
 use amontons::decimal::to_significant;
 use amontons::error::Short;
 use amontons::scene::{Problem, Scene};
+use amontons::simulation::catalogue::Quantity;
 use amontons::simulation::{Variable, write_scene};
 use serde::Serialize;
 use std::fmt;
@@ -121,6 +122,14 @@ impl Part {
     }
 }
 
+impl Part {
+    /// `true` if the value takes energy out of a motion.
+    pub(super) fn damps(&self) -> bool {
+        let quantity = self.variable.template.quantity;
+        matches!(quantity, Quantity::DampingAlpha | Quantity::DampingBeta | Quantity::DamperDamping)
+    }
+}
+
 impl Varied {
     /// The factor of the square of the change in the square of the size of all changes: each value counts.
     #[allow(clippy::cast_precision_loss)]
@@ -179,6 +188,12 @@ pub fn varied(
         if !one.parts.is_empty() {
             found.push(one);
         }
+    }
+    if let Some(one) = found.iter().find(|one| one.bounds[0] >= one.bounds[1]) {
+        return Err(Error::argument(format!(
+            "the values of {} have no common change within the range; leave out --together, or give a percentage",
+            one.name
+        )));
     }
     for (name, cost) in costs {
         if !(*cost > 0.0 && cost.is_finite()) {

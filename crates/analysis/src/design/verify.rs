@@ -50,7 +50,8 @@ pub struct Checked {
     pub worst: Worst,
     /// The least friction coefficient without an equilibrium, and the reason; `None` if each has one.
     pub no_equilibrium: Option<(f64, String)>,
-    /// Candidates for a second motion that are left; `None` if there are too many contacts to look at all states.
+    /// Candidates for a second motion that are left; `None` if a mode grows, if the equilibrium is not in uniform sliding, or if there are
+    /// too many contacts to look at all states.
     pub remaining: Option<Vec<Remaining>>,
     /// Runs after pushes, at random friction coefficients of the range, of the scene and of the design; `None` if none
     /// were asked for.
@@ -81,8 +82,8 @@ pub(super) fn verified(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<Checked>, Error> {
-    let part = |from: f64| move |part: f64| (watch.progress)(from + 0.5 * part);
-    let (of_first, of_second) = (part(0.0), part(0.5));
+    let part = |from: f64, width: f64| move |part: f64| (watch.progress)(from + width * part);
+    let (of_first, of_second, of_last) = (part(0.0, 0.4), part(0.4, 0.4), part(0.8, 0.2));
     let designed = scene_at(question.scene, question.varied, &design.changes)?;
     let runs = match &question.pushes {
         None => None,
@@ -103,9 +104,13 @@ pub(super) fn verified(
     };
     let looked = over.finer();
     let no_equilibrium = no_equilibrium(over, &design.changes, &looked)?;
+    // Candidates are those of ranges in which uniform sliding is stable.
+    let is_stable = design.worst.growth <= 0.0;
     let remaining = match no_equilibrium {
-        Some(_) => None,
-        None => remaining(&designed, question.range, Watch { progress: &|_| {}, ..watch })?,
+        None if is_stable => {
+            remaining(&designed, question.range, Watch { progress: &of_last, ..watch })?
+        }
+        _ => None,
     };
     let worst = design.worst.clone();
     Ok(Some(Checked { frictions: looked.len(), worst, no_equilibrium, remaining, runs }))
@@ -135,7 +140,8 @@ pub(super) fn remaining(
     range: [f64; 2],
     watch: Watch<'_>,
 ) -> Result<Option<Vec<Remaining>>, Error> {
-    if scene.contact_count() > MAX_CONTACTS {
+    let middle = Scene { friction_coefficient: 0.5 * (range[0] + range[1]), ..scene.clone() };
+    if scene.contact_count() > MAX_CONTACTS || Linearised::of(&middle).uniform_sliding().is_err() {
         return Ok(None);
     }
     let found = if range[0] == range[1] {

@@ -215,6 +215,7 @@ mod tests {
             prepare: &prepare,
             runs,
             seed: 1,
+            name: "run",
         };
         squeals(&pushes, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
     }

@@ -65,6 +65,21 @@ const BASIN: Shared = Shared {
     merge: &["study", "merge", "out"],
 };
 
+const DESIGN: Shared = Shared {
+    program: AMONTONS,
+    arguments: &[
+        "study",
+        "design",
+        "set1",
+        "--vary=module[*].k6=±5%",
+        "--friction=0:1.3",
+        "--starts=3",
+        "--points=2",
+        "--runs=4",
+    ],
+    merge: &["study", "merge", "out"],
+};
+
 /// Friction of 3.9 jams: it is left out.
 const SWEEP: Shared = Shared {
     program: AMONTONS,
@@ -222,6 +237,14 @@ fn workers_that_share_a_perturbation_study_have_the_bytes_of_one_machine() {
 #[test]
 fn workers_that_share_the_loudness_of_candidates_have_the_bytes_of_one_machine() {
     LOUDNESS.assert_shared(&["loudness.svg", "results.csv", "study.json"], 1..=1);
+}
+
+#[test]
+fn workers_that_share_a_design_have_the_bytes_of_one_machine() {
+    let files =
+        ["growth.csv", "growth.svg", "results.csv", "study.json", "trade-off.csv", "trade-off.svg"];
+    // Starts, then the trade-off and the runs.
+    DESIGN.assert_shared(&files, 2..=2);
 }
 
 #[test]

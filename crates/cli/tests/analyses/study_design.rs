@@ -31,6 +31,7 @@ fn of(scene: &Scene, varied: &[Varied], range: [f64; 2], margin: f64) -> FoundDe
         scene,
         varied,
         patterns: &states,
+        is_uniform: true,
         range,
         margin,
         starts: 3,

@@ -171,7 +171,8 @@ pub fn sensitivities(
 /// of one group: Σ cᵢ ∂λ/∂pᵢ over the names pᵢ of the group with their factors cᵢ. One row for each eigenvalue, with one value
 /// for each group; `None` where the eigenvalue has merged with another one, or belongs to a free motion.
 ///
-/// The copies of an eigenvalue that comes several times have the derivatives whose real parts are largest.
+/// An eigenvalue that comes several times has the mean of the derivatives of its copies: by one parameter they part, and none of
+/// them has a derivative by several parameters at once.
 ///
 /// # Errors
 /// Returns the errors of [`sensitivities`], and an error if a parameter has no derivative.
@@ -200,7 +201,7 @@ pub(crate) fn group_derivatives(
     }
     let shaped = state.shaped(eigenvalues, &|_, _| {})?;
     let derivatives = |one: &Shaped| -> Option<Vec<Complex<f64>>> {
-        changes.iter().map(|change| one.derivatives(change)?.first().copied()).collect()
+        changes.iter().map(|change| one.is_regular().then(|| one.mean_derivative(change))).collect()
     };
     let apart = |one: &Shaped, value: Complex<f64>| (one.eigenvalue - value).norm();
     let nearest = |value: Complex<f64>| {

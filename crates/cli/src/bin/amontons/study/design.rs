@@ -2,6 +2,7 @@
 
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, quoted};
+use super::robustness::MOST_RUNS;
 use super::{found, prepared_again, set_pace};
 use amontons::Error;
 use amontons::contact::{ContactState, JoinedStates};
@@ -100,7 +101,8 @@ pub fn run(arguments: &DesignArguments) -> Result<(), Box<dyn std::error::Error>
     let has_runs = arguments.runs > 0;
     let mut scene = at_instant(&scene, 0.0)?;
     scene.check()?;
-    let range = possible(&scene, arguments.friction)?;
+    let range = arguments.friction;
+    check_range(&scene, range)?;
     let patterns = patterns(&scene, &arguments.state)?;
     let margin = match arguments.margin {
         Some(margin) => margin,
@@ -151,6 +153,7 @@ pub fn run(arguments: &DesignArguments) -> Result<(), Box<dyn std::error::Error>
         scene: &scene,
         varied: &varied,
         patterns: &patterns,
+        is_uniform: arguments.state.is_empty(),
         range,
         margin,
         starts: arguments.starts,
@@ -194,6 +197,12 @@ fn check(arguments: &DesignArguments, scene: &Scene) -> Result<(), Error> {
             "the margin is a growth rate by which all modes stay below zero; give --margin 0 or more, 1/s",
         ));
     }
+    if arguments.runs > MOST_RUNS {
+        return Err(Error::argument(format!(
+            "{} runs are too many; give --runs up to {MOST_RUNS}",
+            arguments.runs
+        )));
+    }
     if arguments.runs > 0 && !scene.signals.is_empty() {
         return Err(Error::argument(format!(
             "{} has signals, which keep it in motion whether it squeals or not: give --runs 0, or remove the signals from the \
@@ -204,15 +213,15 @@ fn check(arguments: &DesignArguments, scene: &Scene) -> Result<(), Error> {
     Ok(())
 }
 
-/// The part of a range of the friction coefficient that static friction leaves possible.
-fn possible(scene: &Scene, range: [f64; 2]) -> Result<[f64; 2], Error> {
+/// Refuses a range of the friction coefficient that ends above static friction.
+fn check_range(scene: &Scene, range: [f64; 2]) -> Result<(), Error> {
     match scene.greatest_friction() {
         Some(greatest) if range[1] > greatest => Err(Error::argument(format!(
             "the range of --friction ends at {}, above the static friction {}: end it there",
             Short(range[1]),
             Short(greatest)
         ))),
-        _ => Ok(range),
+        _ => Ok(()),
     }
 }
 
@@ -350,7 +359,9 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
             counted(found.starts.len(), "start", "starts")
         );
     }
-    say!("\nsize of the change {} %", Rounded(100.0 * found.design.size));
+    let costs =
+        if question.varied.iter().any(|one| one.cost != 1.0) { ", with its costs" } else { "" };
+    say!("\nsize of the change{costs} {} %", Rounded(100.0 * found.design.size));
     let widest = question.varied.iter().map(|one| one.name.len()).max().unwrap_or(0);
     for (one, change) in question.varied.iter().zip(&found.design.changes) {
         let [low, high] = one.bounds;
@@ -380,7 +391,10 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
     let set = changed.flat_map(|(one, change)| {
         one.parts.iter().map(move |part| format!("--set '{}={:?}'", part.name, part.at(*change)))
     });
-    say!("\nthe design, for any command: {}", set.collect::<Vec<_>>().join(" "));
+    let set: Vec<String> = set.collect();
+    if !set.is_empty() {
+        say!("\nthe design, for any command: {}", set.join(" "));
+    }
 }
 
 /// A mode with its growth rate and place.
@@ -396,10 +410,10 @@ fn told(worst: &Worst) -> String {
 
 fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: &Checked) {
     say!("\nverified");
-    say!(
-        "  eigenvalues at {} of the friction coefficient, and at the peak between them",
-        counted(checked.frictions, "value", "values")
-    );
+    match checked.frictions {
+        1 => say!("  eigenvalues at this friction coefficient"),
+        count => say!("  eigenvalues at {count} friction coefficients, and at peaks between them"),
+    }
     match &checked.no_equilibrium {
         Some((friction, why)) => {
             say!("  NO EQUILIBRIUM from µ = {} on: {why}", Rounded(*friction));
@@ -407,6 +421,9 @@ fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: 
         None => say!("  there is an equilibrium in sliding at all of them"),
     }
     match &checked.remaining {
+        None if checked.worst.growth > 0.0 => {
+            say!("  candidates for a second motion were not looked for, since a mode grows");
+        }
         None => say!("  candidates for a second motion were not looked for"),
         Some(remaining) if remaining.is_empty() => {
             say!("  no contact state has a growing mode while uniform sliding is stable");

@@ -21,7 +21,7 @@ use clap::Args;
 use serde_json::json;
 
 /// The most runs after pushes: their ends are kept in memory.
-const MOST_RUNS: u64 = 10_000_000;
+pub const MOST_RUNS: u64 = 10_000_000;
 
 #[derive(Args)]
 pub struct RobustnessArguments {
