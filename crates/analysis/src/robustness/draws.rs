@@ -2,7 +2,7 @@
 
 use super::sensitivity::{Role, Sums, sums_over};
 use super::sobol::{Scrambled, Sobol};
-use super::uncertain::{Parameter, scene_with};
+use super::uncertain::{Parameter, drawn, scene_with};
 use crate::journal::Journal;
 use crate::stability::parallel::collect;
 use crate::stability::{Linearised, named_states};
@@ -55,6 +55,12 @@ pub fn verdict(scene: &Scene, state: Option<&str>) -> Result<Verdict, Error> {
         growth: Some(growth),
         growing: straight.chain(swinging.map(|value| value.im / TAU)).collect(),
     })
+}
+
+/// The error of values that cannot be analysed, with these values in words; `what` has them.
+pub(super) fn unanalysed(error: &Error, what: &str, values: &str) -> Error {
+    let text = format!("{what} cannot be analysed: {error}; {what} has {values}");
+    if error.is_argument() { Error::argument(text) } else { Error::analysis(text) }
 }
 
 /// Draws of a scene, all of which are made in the same way.
@@ -148,7 +154,8 @@ impl Design<'_> {
                 *value = parameter.at(*at);
             }
             let scene = scene_with(self.scene, self.parameters, &values)?;
-            let Verdict { growth, growing } = verdict(&scene, self.state)?;
+            let Verdict { growth, growing } = verdict(&scene, self.state)
+                .map_err(|error| unanalysed(&error, "a draw", &drawn(self.parameters, &values)))?;
             let is_unstable = growth.is_some_and(|growth| growth > 0.0);
             if role == Role::Draw {
                 found.growth.push(growth);

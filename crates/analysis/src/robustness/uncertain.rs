@@ -108,27 +108,16 @@ impl Parameter {
 /// Returns an error if the scene lacks a parameter, if one is given twice, if a signal drives one, if its distribution has
 /// impossible values, or if there are more than 128.
 pub fn parameters(scene: &Scene, uncertain: &[Uncertain]) -> Result<Vec<Parameter>, Error> {
-    let known: Vec<Variable> = variables(scene).into_iter().filter(Variable::is_settable).collect();
+    let known = settable(scene);
     let mut found: Vec<(Parameter, &str)> = Vec::new();
     for Uncertain { name, distribution } in uncertain {
-        check_kind(name)?;
-        let mut matching = known.iter().filter(|variable| matches(name, &variable.name)).peekable();
-        if matching.peek().is_none() {
-            return Err(missing(scene, name));
-        }
-        for variable in matching {
+        for variable in varied(scene, &known, name)? {
             let own = &variable.name;
-            require_undriven(scene, own)?;
             if let Some((_, other)) = found.iter().find(|(before, _)| before.name() == own) {
                 let both =
                     if *other == name { name.clone() } else { format!("{other} and {name}") };
                 return Err(Error::argument(format!(
                     "{own} is given two distributions, by {both}; give it one --uncertain"
-                )));
-            }
-            if !matches!(variable.template.kind, Kind::Real { .. }) {
-                return Err(Error::argument(format!(
-                    "{own} cannot be uncertain: it is a switch, not a number"
                 )));
             }
             let nominal = value_of(scene, own)?;
@@ -156,25 +145,77 @@ pub fn parameters(scene: &Scene, uncertain: &[Uncertain]) -> Result<Vec<Paramete
     Ok(found.into_iter().map(|(parameter, _)| parameter).collect())
 }
 
+/// All variables of a scene that have a value of their own.
+pub(super) fn settable(scene: &Scene) -> Vec<Variable> {
+    variables(scene).into_iter().filter(Variable::is_settable).collect()
+}
+
+/// The variables of a name or pattern, among those that are `known`, whose values an analysis of eigenvalues may change.
+///
+/// # Errors
+/// Returns an error if there is none, or if eigenvalues do not depend on one, a signal drives one, or one is a switch.
+pub(super) fn varied<'a>(
+    scene: &Scene,
+    known: &'a [Variable],
+    name: &str,
+) -> Result<Vec<&'a Variable>, Error> {
+    check_kind(name)?;
+    let matching: Vec<&Variable> =
+        known.iter().filter(|variable| matches(name, &variable.name)).collect();
+    if matching.is_empty() {
+        return Err(missing(scene, name));
+    }
+    for variable in &matching {
+        let own = &variable.name;
+        require_undriven(scene, own)?;
+        if !matches!(variable.template.kind, Kind::Real { .. }) {
+            return Err(Error::argument(format!(
+                "{own} cannot be uncertain: it is a switch, not a number"
+            )));
+        }
+    }
+    Ok(matching)
+}
+
+/// The scene with these values of variables.
+///
+/// # Errors
+/// Returns an error if a value is impossible, or if values are impossible together.
+pub(super) fn written<'a>(
+    scene: &Scene,
+    values: impl Iterator<Item = (&'a Variable, f64)>,
+) -> Result<Scene, Error> {
+    let mut scene = scene.clone();
+    for (variable, value) in values {
+        write_scene(&mut scene, variable, value)?;
+    }
+    scene.check()?;
+    Ok(scene)
+}
+
+/// Values in words: `friction.coefficient = 0.4, module[1].k6 = 1e5`.
+pub(super) fn listed<'a>(values: impl Iterator<Item = (&'a str, f64)>) -> String {
+    let all: Vec<String> = values.map(|(name, value)| format!("{name} = {value:?}")).collect();
+    all.join(", ")
+}
+
 /// The scene with these values of its parameters.
 ///
 /// # Errors
-/// Returns an error if values are impossible together.
+/// Returns an error if values are impossible together; it has the values.
 pub fn scene_with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Result<Scene, Error> {
-    let mut scene = scene.clone();
-    for (parameter, value) in parameters.iter().zip(values) {
-        write_scene(&mut scene, &parameter.variable, *value)?;
-    }
-    scene.check().map_err(|error| {
-        let values = parameters.iter().zip(values);
-        let values: Vec<String> =
-            values.map(|(parameter, value)| format!("{} = {value:?}", parameter.name())).collect();
+    let pairs = parameters.iter().map(|parameter| &parameter.variable).zip(values.iter().copied());
+    written(scene, pairs).map_err(|error| {
         Error::scene(format!(
             "a draw is impossible: {error}; the draw has {}. Give distributions whose values are possible together",
-            values.join(", ")
+            drawn(parameters, values)
         ))
-    })?;
-    Ok(scene)
+    })
+}
+
+/// The values of a draw in words.
+pub(super) fn drawn(parameters: &[Parameter], values: &[f64]) -> String {
+    listed(parameters.iter().map(Parameter::name).zip(values.iter().copied()))
 }
 
 /// Refuses names of values that eigenvalues do not depend on.

@@ -22,7 +22,7 @@ pub use measure::{ContactPower, Measured, PointMotion, Power, TakenStates};
 pub use points::{MeasuredPoint, measured_points};
 pub use ranks::disagreements;
 pub use shares::ModeShare;
-pub use ways::{Unexamined, Way, WayKind, Ways, ways};
+pub use ways::{Unexamined, Way, WayKind, Ways, check_undriven, ways};
 
 use super::attractor::attractors;
 use super::long_term::{Kind, LongTermMotion};

@@ -80,6 +80,21 @@ pub(super) struct Start {
     pub push: f64,
 }
 
+/// Refuses a scene with signals, in which no motion starts from uniform sliding under a constant drive.
+///
+/// # Errors
+/// Returns an error that says what would be right.
+pub fn check_undriven(scene: &Scene) -> Result<(), Error> {
+    if scene.signals.is_empty() {
+        return Ok(());
+    }
+    Err(Error::argument(format!(
+        "{} has signals; the loudness of modes is that of motions which start from uniform sliding under a constant drive: \
+         take the signals out of the scene, or follow its one run with `amontons study transient`",
+        scene.name
+    )))
+}
+
 /// The ways out of the uniform sliding of a scene at its µ; at most `most` candidates.
 ///
 /// # Errors
