@@ -176,3 +176,33 @@ impl Design<'_> {
         Ok((!is_over).then_some(found))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Uncertain, parameters};
+    use super::*;
+    use amontons::scene::builtin;
+
+    /// Half of the values between zero and the smallest double are rounded to zero, with which no surface moves.
+    #[test]
+    fn a_draw_that_cannot_be_analysed_is_told_with_its_values() {
+        let scene = builtin("set1").unwrap().scene();
+        let given = ["friction.coefficient=uniform(1,2)", "slider.velocity=uniform(0,5e-324)"];
+        let given = given.map(|text| Uncertain::parse(text).unwrap());
+        let scattering = parameters(&scene, &given).unwrap();
+        let design = Design {
+            scene: &scene,
+            parameters: &scattering,
+            state: None,
+            scramblings: 16,
+            points: 16,
+            seed: 1,
+            has_indices: false,
+        };
+        let error = design.pieces(&Journal::forgotten(), Watch::IDLE).unwrap_err();
+        let told = error.to_string();
+        assert!(told.starts_with("a draw cannot be analysed: no surface moves"), "{told}");
+        assert!(told.contains("a draw has friction.coefficient = 1."), "{told}");
+        assert!(told.contains("slider.velocity = 0.0"), "{told}");
+    }
+}

@@ -88,6 +88,7 @@ fn named(scene: &Scene, names: &[String]) -> Result<Vec<Variable>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::assign::assign;
     use crate::stability::Linearised;
     use amontons::scene::builtin;
     use amontons::stability::Spectrum;
@@ -106,7 +107,7 @@ mod tests {
         for ([friction, k6], found) in rows.into_iter().zip(found.unwrap()) {
             let mut scene = scene.clone();
             scene.friction_coefficient = friction;
-            scene.modules_mut()[1].k6 = k6;
+            assign(&mut scene, "module[2].k6", k6).unwrap();
             let here = Linearised::of(&scene);
             let states = here.uniform_sliding().unwrap();
             let spectrum = Spectrum::of(here.linear().unwrap(), &states).unwrap();

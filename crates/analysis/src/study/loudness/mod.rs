@@ -99,6 +99,17 @@ pub struct FoundMotion {
     pub nearest: Option<ModeShare>,
 }
 
+impl FoundMotion {
+    /// The mode with the largest share of the kinetic energy, where that is another one than the nearest.
+    #[must_use]
+    pub fn strongest(&self) -> Option<&ModeShare> {
+        let strongest = self.measured.as_ref()?.shares.first()?;
+        let is_other =
+            self.nearest.as_ref().is_some_and(|nearest| nearest.modes != strongest.modes);
+        is_other.then_some(strongest)
+    }
+}
+
 /// The results of the study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loudness {

@@ -288,6 +288,14 @@ fn print_motion(place: usize, motion: &FoundMotion, found: &Found) {
             100.0 * nearest.share
         );
     }
+    if let Some(strongest) = motion.strongest() {
+        say!(
+            "  mode {} ({:.2} Hz) has the largest share, {:.0} %",
+            strongest.numbers(),
+            strongest.frequency,
+            100.0 * strongest.share
+        );
+    }
     let states = measured.states.iter();
     let states = states.map(|taken| format!("{} {:.1} %", taken.states, 100.0 * taken.share));
     say!("  contact states: {}", states.collect::<Vec<_>>().join(", "));

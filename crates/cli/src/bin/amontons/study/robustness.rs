@@ -327,7 +327,7 @@ fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArgument
                 "it does not vary, or one of the points that indices need besides the draws has no equilibrium"
             };
             print_indices("the largest growth rate", parameters, found.of_growth.as_deref(), why);
-            let why = "a scrambling has no unstable draw, or no other; more --points may have";
+            let why = "fewer than 32 points are unstable, or stable; more --points may have more";
             print_indices("instability", parameters, found.of_instability.as_deref(), why);
         }
     }
