@@ -13,6 +13,8 @@
 //! | `stability` | eigenvalues, loci, candidates, verdicts |
 //! | `run` | one run as arrays |
 //! | `simulation` | a motion that is advanced step by step |
+//! | `robustness` | the study of robustness; growth rates for values that a tool draws |
+//! | `loudness` | the study of loudness |
 //! | `study` | studies, as a whole or in pieces for many workers |
 //! | `export` | FMUs |
 
@@ -20,6 +22,8 @@ mod array;
 mod errors;
 mod export;
 mod interrupt;
+mod loudness;
+mod robustness;
 mod run;
 mod scene;
 mod simulation;
@@ -37,6 +41,8 @@ mod _core {
     use crate::export::export;
     #[pymodule_export]
     use crate::interrupt::on_this_thread;
+    #[pymodule_export]
+    use crate::robustness::growth_rates;
     #[pymodule_export]
     use crate::run::run;
     #[pymodule_export]

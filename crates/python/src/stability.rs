@@ -20,7 +20,7 @@ use pyo3::types::PyDict;
 use std::borrow::Cow;
 
 /// Refuses an instant that is no time.
-fn check_instant(at: f64) -> Result<(), Error> {
+pub fn check_instant(at: f64) -> Result<(), Error> {
     if at.is_finite() {
         Ok(())
     } else {

@@ -5,6 +5,8 @@
 
 use crate::errors::{ArgumentError, raised};
 use crate::interrupt::watched;
+use crate::loudness::Loudness;
+use crate::robustness::Robustness;
 use crate::scene::Scene;
 use amontons::Error;
 use amontons::scene::{Experiment, IntegratorChoice};
@@ -63,6 +65,8 @@ enum Kind {
     Orbit { start: Start },
     Branches { parameter: String, range: [f64; 2], starts: Vec<Start>, points: usize },
     Transient { stop_time: Option<f64>, output_interval: Option<f64> },
+    Robustness(Robustness),
+    Loudness(Loudness),
 }
 
 /// The motion from which an orbit is looked for.
@@ -188,6 +192,17 @@ impl Request {
             let found = transient(&scene, experiment, self.of.as_deref(), watch)?;
             return Ok(Some(json!(found)));
         }
+        let prepare = |scene: &mut amontons::scene::Scene| {
+            let observation = self.observation(scene)?;
+            derive_pace(scene, &self.integrator, &observation, pace)?;
+            Ok(observation)
+        };
+        if let Kind::Robustness(asked) = &self.kind
+            && !asked.has_runs()
+        {
+            let found = asked.found(&scene, &prepare, journal, watch)?;
+            return Ok(found.map(|found| json!({ "result": found })));
+        }
         let observation = self.observation(&scene)?;
         // A basin keeps the scene's own method.
         let default =
@@ -206,11 +221,6 @@ impl Request {
                     resolution: *resolution,
                     portraits: Some(Vec::new()),
                     contacts: 0,
-                };
-                let prepare = |scene: &mut amontons::scene::Scene| {
-                    let observation = self.observation(scene)?;
-                    derive_pace(scene, &self.integrator, &observation, pace)?;
-                    Ok(observation)
                 };
                 limit_cycles(&scene, &prepare, &question, journal, watch)?
                     .map(|found| json!({ "values": question.values, "note": note, "found": found }))
@@ -281,6 +291,8 @@ impl Request {
                 };
                 branches(&scene, &observation, &question, journal, watch)?.map(|found| json!(found))
             }
+            Kind::Robustness(asked) => asked.found(&scene, &prepare, journal, watch)?,
+            Kind::Loudness(asked) => asked.found(&scene, &observation, journal, watch)?,
             Kind::Transient { .. } => unreachable!("it is made above"),
         };
         let pace = json!({ "method": scene.method, "step": scene.step });

@@ -114,6 +114,7 @@ files! {
     test_interrupts
     test_misuse
     test_package
+    test_robustness
     test_runs
     test_scenes
     test_stability

@@ -34,6 +34,17 @@ STUDIES = {
     "basin": lambda scene, executor: scene.basin(
         ("mass.block.x", [0.0, 0.015]), ("mass.block.vx", [0.0, 0.1, 0.2]), executor=executor, **SHORT
     ),
+    "robustness": lambda scene, executor: scene.robustness(
+        {MU: "normal(±10%)", "spring.*.stiffness": "uniform(±5%)"},
+        points=64,
+        pushes="uniform(0,0.3)",
+        runs=6,
+        executor=executor,
+        **SHORT,
+    ),
+    "loudness": lambda scene, executor: amontons.Scene.builtin("set1")
+    .with_values({MU: 3.0})
+    .loudness(executor=executor),
 }
 
 
@@ -304,6 +315,10 @@ def test_progress_rises_to_one_and_its_errors_end_the_work(held, name, on):
         "basin": lambda **more: held.basin(
             ("mass.block.x", values), ("mass.block.vx", values), executor=on, **SHORT, **more
         ),
+        "robustness": lambda **more: held.robustness(
+            {MU: "normal(±10%)"}, pushes="uniform(0,0.3)", runs=4, points=64, executor=on, **SHORT, **more
+        ),
+        "loudness": lambda **more: amontons.Scene.builtin("set1").loudness(executor=on, **more),
     }
     parts = []
     calls[name](progress=parts.append)

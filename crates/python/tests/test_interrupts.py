@@ -24,6 +24,10 @@ HERE = {
     "continuation": "scene.continuation(np.linspace(1.0, 2.0, 1000))",
     "orbit": "scene.orbit(longest=1000.0)",
     "branches": 'scene.branches("slider.velocity", 0.01, 0.2)',
+    "robustness": 'scene.robustness({"friction.coefficient": "normal(±5%)"}, points=2**18)',
+    "robustness with runs": 'scene.robustness({}, pushes="uniform(0.1,1)", runs=1000, longest=1000.0)',
+    "growth rates": 'scene.growth_rates(["friction.coefficient"], np.linspace(0.0, 1.9, 2_000_000).reshape(-1, 1))',
+    "loudness": 'slow.loudness(longest=1000.0)',
     "transient": 'scene.transient(stop_time=1000.0, of="module[1].x1")',
 }
 SHARED = {
@@ -32,6 +36,7 @@ SHARED = {
     "sweep of long runs": 'amontons.sweep(scene, {"friction.coefficient": [1.5, 1.9]}, of=long)',
     "sweep on threads": 'amontons.sweep(scene, {"friction.coefficient": many}, executor=threads)',
     "sweep on processes": 'amontons.sweep(scene, {"friction.coefficient": many}, executor=processes)',
+    "robustness on processes": 'scene.robustness({"friction.coefficient": "normal(±5%)"}, points=2**16, executor=processes)',
     "limit cycles on processes": 'scene.limit_cycles("slider.velocity", np.linspace(0.01, 0.1, 9), longest=0.3, executor=processes)',
 }
 SCRIPT = """

@@ -124,6 +124,10 @@ found = slip.limit_cycles("slider.velocity", [0.05, 0.2], resolution=0.5, longes
 assert found["kind"].tolist() == ["periodic", "periodic"]
 found = slip.perturbations("mass.block.vx", [0.0, 0.1], resolution=0.5, longest=60.0, window=10.0)
 assert len(found["attractor"]) == len(found["mass.block.vx"]) >= 2
+found = scene.robustness({"friction.coefficient": "uniform(1,1.4)"}, points=16)
+assert found["probability"].tolist() == ["unstable", "stable", "no equilibrium"] and found["growth_first"].shape == (1,)
+found = scene.loudness()
+assert found["speed_rms"].shape == (len(found["motion_kind"]), len(found["point"]))
 """
     )
 

@@ -4,7 +4,7 @@
 //! is allowed.
 
 use crate::assign::{FRICTION, rule_of, value_of};
-use crate::robustness::{matches, matching};
+use crate::robustness::{matches, matching, settable};
 use crate::sweep::range::{ends, number};
 use amontons::Error;
 use amontons::decimal::to_significant;
@@ -155,6 +155,7 @@ pub fn varied(
             "nothing may change: give --vary NAME=RANGE, such as --vary 'module[*].k6=±20%' or --vary damping.beta=0:1e-4",
         ));
     }
+    let known = settable(scene);
     let mut found: Vec<Varied> = Vec::new();
     for Vary { name, range } in given {
         let mut one = Varied {
@@ -163,7 +164,7 @@ pub fn varied(
             cost: 1.0,
             parts: Vec::new(),
         };
-        for variable in matching(scene, name, "vary")? {
+        for variable in matching(scene, &known, name, "vary")? {
             if variable.name == FRICTION {
                 return Err(Error::argument(format!(
                     "{FRICTION} cannot be varied: a design is one for all values of --friction"
@@ -176,7 +177,7 @@ pub fn varied(
                     variable.name
                 )));
             }
-            let (part, [low, high]) = part(scene, variable, *range)?;
+            let (part, [low, high]) = part(scene, variable.clone(), *range)?;
             if together {
                 one.bounds = [one.bounds[0].max(low), one.bounds[1].min(high)];
                 one.parts.push(part);

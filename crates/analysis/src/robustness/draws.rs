@@ -2,7 +2,7 @@
 
 use super::sensitivity::{Role, Sums, sums_over};
 use super::sobol::{Scrambled, Sobol};
-use super::uncertain::{Parameter, scene_with};
+use super::uncertain::{Parameter, drawn, scene_with};
 use crate::journal::Journal;
 use crate::stability::parallel::collect;
 use crate::stability::{Linearised, named_states};
@@ -55,6 +55,12 @@ pub fn verdict(scene: &Scene, state: Option<&str>) -> Result<Verdict, Error> {
         growth: Some(growth),
         growing: straight.chain(swinging.map(|value| value.im / TAU)).collect(),
     })
+}
+
+/// The error of values that cannot be analysed, with these values in words; `what` has them.
+pub(super) fn unanalysed(error: &Error, what: &str, values: &str) -> Error {
+    let text = format!("{what} cannot be analysed: {error}; {what} has {values}");
+    if error.is_argument() { Error::argument(text) } else { Error::analysis(text) }
 }
 
 /// Draws of a scene, all of which are made in the same way.
@@ -148,7 +154,8 @@ impl Design<'_> {
                 *value = parameter.at(*at);
             }
             let scene = scene_with(self.scene, self.parameters, &values)?;
-            let Verdict { growth, growing } = verdict(&scene, self.state)?;
+            let Verdict { growth, growing } = verdict(&scene, self.state)
+                .map_err(|error| unanalysed(&error, "a draw", &drawn(self.parameters, &values)))?;
             let is_unstable = growth.is_some_and(|growth| growth > 0.0);
             if role == Role::Draw {
                 found.growth.push(growth);
@@ -167,5 +174,35 @@ impl Design<'_> {
             }
         }
         Ok((!is_over).then_some(found))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Uncertain, parameters};
+    use super::*;
+    use amontons::scene::builtin;
+
+    /// Half of the values between zero and the smallest double are rounded to zero, with which no surface moves.
+    #[test]
+    fn a_draw_that_cannot_be_analysed_is_told_with_its_values() {
+        let scene = builtin("set1").unwrap().scene();
+        let given = ["friction.coefficient=uniform(1,2)", "slider.velocity=uniform(0,5e-324)"];
+        let given = given.map(|text| Uncertain::parse(text).unwrap());
+        let scattering = parameters(&scene, &given).unwrap();
+        let design = Design {
+            scene: &scene,
+            parameters: &scattering,
+            state: None,
+            scramblings: 16,
+            points: 16,
+            seed: 1,
+            has_indices: false,
+        };
+        let error = design.pieces(&Journal::forgotten(), Watch::IDLE).unwrap_err();
+        let told = error.to_string();
+        assert!(told.starts_with("a draw cannot be analysed: no surface moves"), "{told}");
+        assert!(told.contains("a draw has friction.coefficient = 1."), "{told}");
+        assert!(told.contains("slider.velocity = 0.0"), "{told}");
     }
 }

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 /// The part of intervals that hold the true value.
 const CONFIDENCE: f64 = 0.95;
 /// With fewer draws of one kind than these, the estimates are too skew for Student's t.
-const FEW: u64 = 32;
+pub(super) const FEW: u64 = 32;
 /// A rule of three: what did not occur in n independent trials has, with 95 %, a probability below 3/n.
 const THREE: f64 = 3.0;
 

@@ -1,21 +1,18 @@
 //! The probability that a scene squeals after a push: runs of draws, each until its motion has settled.
 //!
-//! A run starts at rest in the equilibrium of its draw. The push is a velocity in a random direction: each degree of freedom
-//! along which no contact opens gets a normal draw over √m, so that all have the same kinetic energy on average, and the
-//! largest velocity is that of the push. Draws of runs are independent, so shares have an exact interval.
+//! A run starts at rest in the equilibrium of its draw. The push is a velocity in a random [`direction`](super::direction),
+//! whose largest one is that of the push. Draws of runs are independent, so shares have an exact interval.
 
-use super::distribution::Draws;
+use super::direction::direction;
+use super::distribution::{Distribution, Draws};
 use super::interval::{Estimate, of_share};
-use super::normal::quantile;
 use super::sobol::random;
 use super::uncertain::{Parameter, scene_with};
 use crate::journal::Journal;
 use crate::stability::parallel::collect;
-use crate::study::{Kind, Prepare, lifts, run_to_steady_state};
+use crate::study::{Kind, Prepare, run_to_steady_state};
 use crate::watch::Watch;
 use amontons::Error;
-use amontons::model::LumpedModel;
-use amontons::numerics::max_norm;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
 use serde::{Deserialize, Serialize};
@@ -23,7 +20,8 @@ use serde::{Deserialize, Serialize};
 /// Places of the numbers that a run draws.
 const VALUES: u64 = 1;
 const VELOCITY: u64 = 2;
-const DIRECTION: u64 = 3;
+/// The most runs: their ends are kept in memory.
+const MOST_RUNS: u64 = 10_000_000;
 
 /// Runs of a scene after pushes.
 pub struct Pushes<'a> {
@@ -76,6 +74,8 @@ impl End {
 /// One run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PushedRun {
+    /// The values of the parameters that scatter, in their order.
+    pub values: Vec<f64>,
     /// The largest velocity of the push, m/s.
     pub push: f64,
     /// Its end.
@@ -108,11 +108,47 @@ impl Squeals {
     }
 }
 
+/// Refuses runs of a scene with signals, and too few or too many.
+///
+/// # Errors
+/// Returns an error that says what would be right.
+pub fn check_runs(scene: &Scene, runs: u64) -> Result<(), Error> {
+    if !scene.signals.is_empty() {
+        return Err(Error::argument(format!(
+            "{} has signals, which keep it in motion whether it squeals or not: leave out --pushes, or remove the \
+             signals from the scene",
+            scene.name
+        )));
+    }
+    match runs {
+        0 => Err(Error::argument("0 runs show nothing; give --runs 1 or more, such as 100")),
+        1..=MOST_RUNS => Ok(()),
+        _ => {
+            Err(Error::argument(format!("{runs} runs are too many; give --runs up to {MOST_RUNS}")))
+        }
+    }
+}
+
+/// Draws of the velocity of pushes (m/s), which has no value in the scene.
+///
+/// # Errors
+/// Returns an error if the distribution is a part of a scene's value, or has values below zero.
+pub fn push_velocity(pushes: &Distribution) -> Result<Draws, Error> {
+    let refused = |why: String| Error::argument(format!("{pushes} of --pushes {why}"));
+    if pushes.is_relative() {
+        return Err(refused(
+            "is a part of a scene's value, which pushes do not have; give numbers, such as uniform(0,0.1)"
+                .to_owned(),
+        ));
+    }
+    pushes.draws(0.0, [0.0, f64::INFINITY]).map_err(refused)
+}
+
 /// The probability that a scene squeals after a push. `None` if the watch ended the work: finished runs are in the
 /// journal.
 ///
 /// # Errors
-/// Returns an error if a draw is impossible, if each degree of freedom lies along a contact's normal, or if the journal cannot be
+/// Returns an error if a draw is impossible, if closed contacts hold every direction of motion, or if the journal cannot be
 /// written. A run that fails is counted as such.
 #[allow(clippy::cast_precision_loss)]
 pub fn squeals(
@@ -120,7 +156,7 @@ pub fn squeals(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<Squeals>, Error> {
-    direction(&LumpedModel::from(pushes.scene), pushes.seed, 0)?;
+    direction(pushes.scene, pushes.seed, 0)?;
     let work = |place: usize| {
         let number = place as u64;
         journal.piece(&format!("{} {}", pushes.name, number + 1), || pushes.run(number, watch))
@@ -145,7 +181,7 @@ impl Pushes<'_> {
         let push = self.velocity.at(draw(VELOCITY, 0));
         let mut scene = scene_with(self.scene, self.parameters, &values)?;
         scene.rest();
-        let along = direction(&LumpedModel::from(&scene), self.seed, number)?;
+        let along = direction(&scene, self.seed, number)?;
         let ending = (|| {
             let observation = (self.prepare)(&mut scene)?;
             let mut simulation = Simulation::new(scene, 0.0)?;
@@ -154,7 +190,14 @@ impl Pushes<'_> {
             }
             run_to_steady_state(&mut simulation, &observation, &|| watch.is_over())
         })();
-        let none = PushedRun { push, end: End::Failed, kind: None, frequency: None, failure: None };
+        let none = PushedRun {
+            values,
+            push,
+            end: End::Failed,
+            kind: None,
+            frequency: None,
+            failure: None,
+        };
         Ok(match ending {
             Ok(None) => None,
             Ok(Some(ending)) => Some(PushedRun {
@@ -174,26 +217,6 @@ impl Pushes<'_> {
             Err(error) => Some(PushedRun { failure: Some(error.to_string()), ..none }),
         })
     }
-}
-
-/// A random direction of the velocities of all degrees of freedom, the largest 1.
-fn direction(model: &LumpedModel, seed: u64, number: u64) -> Result<Vec<f64>, Error> {
-    let of = |dof: usize| {
-        if lifts(model, dof) {
-            return 0.0;
-        }
-        let normal = quantile(random(seed, &[number, DIRECTION, dof as u64]));
-        normal / model.mass.get(dof, dof).sqrt()
-    };
-    let mut along: Vec<f64> = (0..model.dofs()).map(of).collect();
-    let largest = max_norm(&along);
-    if largest == 0.0 {
-        return Err(Error::argument(
-            "the scene cannot be pushed: each degree of freedom lies along a contact's normal; leave out --pushes",
-        ));
-    }
-    along.iter_mut().for_each(|part| *part /= largest);
-    Ok(along)
 }
 
 #[cfg(test)]
@@ -231,25 +254,5 @@ mod tests {
         assert!(large.count(End::Squeals) > 0, "{large:?}");
         let Estimate { low, value, high } = large.probability;
         assert!(low <= value && value <= large.at_most && large.at_most <= high);
-    }
-
-    #[test]
-    fn a_push_has_no_part_into_a_surface_and_as_much_energy_in_each_degree_of_freedom() {
-        const DRAWS: u64 = 40_000;
-        let model = LumpedModel::from(&builtin("set1").unwrap().scene());
-        let mut sums = vec![0.0; model.dofs()];
-        for number in 0..DRAWS {
-            let along = direction(&model, 1, number).unwrap();
-            assert_eq!(max_norm(&along), 1.0);
-            let energy = |dof: usize| model.mass.get(dof, dof) * along[dof] * along[dof];
-            let all: f64 = (0..along.len()).map(energy).sum();
-            sums.iter_mut().enumerate().for_each(|(dof, sum)| *sum += energy(dof) / all);
-        }
-        let free: Vec<f64> = sums.into_iter().filter(|sum| *sum > 0.0).collect();
-        // Two contacts hold one degree of freedom each. The share of one of six squares of normal draws has the variance 5/144.
-        assert_eq!(free.len(), 6);
-        let (draws, sixth) = (DRAWS as f64, 1.0 / 6.0);
-        let allowed = 4.0 * (5.0 / 144.0 / draws).sqrt();
-        assert!(free.iter().all(|sum| (sum / draws - sixth).abs() < allowed), "{free:?}");
     }
 }

@@ -3,7 +3,7 @@
 use super::draws::{Design, Piece, Verdict, verdict};
 use super::histogram::{Class, families, histogram};
 use super::interval::{Estimate, of_counts};
-use super::sensitivity::{Index, Sums, indices};
+use super::sensitivity::{Index, Sums, indices, indices_of_share};
 use super::sobol::MOST_POINTS;
 use crate::journal::Journal;
 use crate::watch::Watch;
@@ -39,8 +39,8 @@ pub struct Robustness {
     /// The indices of the largest growth rate, for each parameter; `None` if they were not asked for, if a point has no
     /// equilibrium, or if the rate does not vary.
     pub of_growth: Option<Vec<Index>>,
-    /// The indices of 1 if the state is unstable and 0 if not; `None` if they were not asked for, or if a scrambling has only
-    /// one of these.
+    /// The indices of 1 if the state is unstable and 0 if not; `None` if they were not asked for, or if fewer than 32 points are
+    /// unstable, or stable.
     pub of_instability: Option<Vec<Index>>,
     /// The histogram of the largest growth rate, 1/s.
     pub histogram: Vec<Class>,
@@ -108,7 +108,7 @@ pub fn robustness(
     };
     let all = || scramblings.iter().flatten();
     let growth: Vec<f64> = all().flat_map(|piece| piece.growth.iter().flatten().copied()).collect();
-    let indices_of = |sums: fn(&Piece) -> Option<&Sums>| {
+    let sums_of = |sums: fn(&Piece) -> Option<&Sums>| {
         let merged = |pieces: &Vec<Piece>| {
             let mut merged = Sums::default();
             for piece in pieces {
@@ -116,8 +116,10 @@ pub fn robustness(
             }
             Some(merged)
         };
-        indices(&scramblings.iter().map(merged).collect::<Option<Vec<_>>>()?)
+        scramblings.iter().map(merged).collect::<Option<Vec<Sums>>>()
     };
+    let of_growth = sums_of(|piece| piece.of_growth.as_ref());
+    let of_instability = sums_of(|piece| piece.of_instability.as_ref());
     Ok(Some(Robustness {
         nominal_growth,
         draws: design.scramblings * design.points,
@@ -125,8 +127,8 @@ pub fn robustness(
         stable: probability(&|growth| growth.is_some_and(|growth| growth <= 0.0)),
         no_equilibrium: probability(&|growth| growth.is_none()),
         bands: in_bands(&scramblings, design.points, bands),
-        of_growth: indices_of(|piece| piece.of_growth.as_ref()),
-        of_instability: indices_of(|piece| piece.of_instability.as_ref()),
+        of_growth: of_growth.and_then(|sums| indices(&sums)),
+        of_instability: of_instability.and_then(|sums| indices_of_share(&sums)),
         histogram: histogram(&growth),
     }))
 }

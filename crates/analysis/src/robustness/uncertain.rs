@@ -108,9 +108,10 @@ impl Parameter {
 /// Returns an error if the scene lacks a parameter, if one is given twice, if a signal drives one, if its distribution has
 /// impossible values, or if there are more than 128.
 pub fn parameters(scene: &Scene, uncertain: &[Uncertain]) -> Result<Vec<Parameter>, Error> {
+    let known = settable(scene);
     let mut found: Vec<(Parameter, &str)> = Vec::new();
     for Uncertain { name, distribution } in uncertain {
-        for variable in matching(scene, name, "be uncertain")? {
+        for variable in matching(scene, &known, name, "be uncertain")? {
             let own = &variable.name;
             if let Some((_, other)) = found.iter().find(|(before, _)| before.name() == own) {
                 let both =
@@ -120,7 +121,7 @@ pub fn parameters(scene: &Scene, uncertain: &[Uncertain]) -> Result<Vec<Paramete
                 )));
             }
             let nominal = value_of(scene, own)?;
-            let bounds = bounds(rule_of(scene, &variable));
+            let bounds = bounds(rule_of(scene, variable));
             let draws = distribution
                 .draws(nominal, bounds)
                 .map_err(|why| Error::argument(format!("{distribution} of {own} {why}")))?;
@@ -144,50 +145,79 @@ pub fn parameters(scene: &Scene, uncertain: &[Uncertain]) -> Result<Vec<Paramete
     Ok(found.into_iter().map(|(parameter, _)| parameter).collect())
 }
 
-/// The scene with these values of its parameters.
-///
-/// # Errors
-/// Returns an error if values are impossible together.
-pub fn scene_with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Result<Scene, Error> {
-    let mut scene = scene.clone();
-    for (parameter, value) in parameters.iter().zip(values) {
-        write_scene(&mut scene, &parameter.variable, *value)?;
-    }
-    scene.check().map_err(|error| {
-        let values = parameters.iter().zip(values);
-        let values: Vec<String> =
-            values.map(|(parameter, value)| format!("{} = {value:?}", parameter.name())).collect();
-        Error::scene(format!(
-            "a draw is impossible: {error}; the draw has {}. Give distributions whose values are possible together",
-            values.join(", ")
-        ))
-    })?;
-    Ok(scene)
+/// All variables of a scene that have a value of their own.
+pub(crate) fn settable(scene: &Scene) -> Vec<Variable> {
+    variables(scene).into_iter().filter(Variable::is_settable).collect()
 }
 
-/// The parameters and inputs of a scene on which eigenvalues may depend that have a name, or match a pattern in which `*` stands
-/// for any text without a point. `verb` is what is asked of them, for messages: `be uncertain`.
+/// The variables of a name or pattern, among those that are `known`, whose values an analysis of eigenvalues may change. `verb` is
+/// what is asked of them, for messages: `be uncertain`.
 ///
 /// # Errors
-/// Returns an error if there is none, if a signal drives one, or if one is a switch.
-pub(crate) fn matching(scene: &Scene, name: &str, verb: &str) -> Result<Vec<Variable>, Error> {
+/// Returns an error if there is none, or if eigenvalues do not depend on one, a signal drives one, or one is a switch.
+pub(crate) fn matching<'a>(
+    scene: &Scene,
+    known: &'a [Variable],
+    name: &str,
+    verb: &str,
+) -> Result<Vec<&'a Variable>, Error> {
     check_kind(name, verb)?;
-    let mut found: Vec<Variable> =
-        variables(scene).into_iter().filter(Variable::is_settable).collect();
-    found.retain(|variable| matches(name, &variable.name));
-    if found.is_empty() {
+    let matching: Vec<&Variable> =
+        known.iter().filter(|variable| matches(name, &variable.name)).collect();
+    if matching.is_empty() {
         return Err(missing(scene, name, verb));
     }
-    for variable in &found {
-        require_undriven(scene, &variable.name)?;
+    for variable in &matching {
+        let own = &variable.name;
+        require_undriven(scene, own)?;
         if !matches!(variable.template.kind, Kind::Real { .. }) {
             return Err(Error::argument(format!(
-                "{} cannot {verb}: it is a switch, not a number",
-                variable.name
+                "{own} cannot {verb}: it is a switch, not a number"
             )));
         }
     }
-    Ok(found)
+    Ok(matching)
+}
+
+/// The scene with these values of variables.
+///
+/// # Errors
+/// Returns an error if a value is impossible, or if values are impossible together.
+pub(super) fn written<'a>(
+    scene: &Scene,
+    values: impl Iterator<Item = (&'a Variable, f64)>,
+) -> Result<Scene, Error> {
+    let mut scene = scene.clone();
+    for (variable, value) in values {
+        write_scene(&mut scene, variable, value)?;
+    }
+    scene.check()?;
+    Ok(scene)
+}
+
+/// Values in words: `friction.coefficient = 0.4, module[1].k6 = 1e5`.
+pub(super) fn listed<'a>(values: impl Iterator<Item = (&'a str, f64)>) -> String {
+    let all: Vec<String> = values.map(|(name, value)| format!("{name} = {value:?}")).collect();
+    all.join(", ")
+}
+
+/// The scene with these values of its parameters.
+///
+/// # Errors
+/// Returns an error if values are impossible together; it has the values.
+pub fn scene_with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Result<Scene, Error> {
+    let pairs = parameters.iter().map(|parameter| &parameter.variable).zip(values.iter().copied());
+    written(scene, pairs).map_err(|error| {
+        Error::scene(format!(
+            "a draw is impossible: {error}; the draw has {}. Give distributions whose values are possible together",
+            drawn(parameters, values)
+        ))
+    })
+}
+
+/// The values of a draw in words.
+pub(super) fn drawn(parameters: &[Parameter], values: &[f64]) -> String {
+    listed(parameters.iter().map(Parameter::name).zip(values.iter().copied()))
 }
 
 /// Refuses names of values that eigenvalues do not depend on.

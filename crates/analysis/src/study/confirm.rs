@@ -4,6 +4,7 @@
 use super::Watch;
 use super::long_term::{Kind, LongTermMotion};
 use super::observation::{ObservationRequest, ObservationSettings};
+use super::push::closed_normals;
 use super::settling::run_to_steady_state;
 use super::visit::{Visited, visited};
 use crate::stability::candidates::Candidate;
@@ -179,15 +180,12 @@ pub(super) fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<V
     if inwards < 0.0 {
         along.iter_mut().for_each(|part| *part = -*part);
     }
-    for ((contact, at_rest), _) in contacts() {
-        if *at_rest == ContactState::Detached {
-            continue;
-        }
-        // A push into the surface is none.
-        let into = contact.normal.dot(&along);
+    for normal in closed_normals(&here) {
+        // Along the normal the push may lead off the surface.
+        let into = normal.dot(&along);
         if into < 0.0 {
-            let square: f64 = contact.normal.0.iter().map(|(_, part)| part * part).sum();
-            contact.normal.add_to(&mut along, -into / square);
+            let square: f64 = normal.0.iter().map(|(_, part)| part * part).sum();
+            normal.add_to(&mut along, -into / square);
         }
     }
     let largest = along.iter().fold(0.0, |most: f64, part| most.max(part.abs()));

@@ -79,7 +79,7 @@ pub use observation::{
 pub use orbit::{FoundOrbit, From, Unfound, orbit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;
-pub(crate) use push::lifts;
+pub(crate) use push::closed_normals;
 pub(crate) use settling::run_to_steady_state;
 pub use visit::Visited;
 

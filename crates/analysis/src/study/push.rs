@@ -1,6 +1,8 @@
 //! A small push out of an equilibrium, or off a cycle.
 
-use amontons::model::{Contact, LumpedModel};
+use crate::stability::Linearised;
+use amontons::contact::ContactState;
+use amontons::model::{Contact, Direction, LumpedModel};
 use amontons::numerics::max_norm;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
@@ -21,8 +23,15 @@ pub struct Push {
     pub velocity: f64,
 }
 
+/// The normals of the contacts that are closed at rest: a push into their surfaces is none.
+pub(crate) fn closed_normals(here: &Linearised) -> Vec<&Direction> {
+    let contacts = here.model().contacts.iter().zip(here.resting_state());
+    let closed = contacts.filter(|(_, at_rest)| *at_rest != ContactState::Detached);
+    closed.map(|(contact, _)| &contact.normal).collect()
+}
+
 /// `true` if a degree of freedom is part of the normal of a contact: its motion opens or closes the contact.
-pub(crate) fn lifts(model: &LumpedModel, dof: usize) -> bool {
+fn lifts(model: &LumpedModel, dof: usize) -> bool {
     lies_along(model, dof, |contact| &contact.normal.0)
 }
 

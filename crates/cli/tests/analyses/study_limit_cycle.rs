@@ -400,3 +400,31 @@ fn an_interrupted_study_goes_on_to_the_same_results() {
     }
     assert!(text(&read("ended", "journal.jsonl")).starts_with(&kept));
 }
+
+/// Each value of the stiffness derives a step of its own, unless one step is chosen for all.
+#[test]
+fn a_study_with_a_chosen_step_takes_no_pieces_of_one_that_derives_the_step_of_each_value() {
+    let folder = folder();
+    let study = [
+        "study",
+        "limit-cycle",
+        "stick_slip",
+        "--parameter=spring.hold.stiffness=50:200/2",
+        "--resolution=1",
+        "-o",
+        "one",
+    ];
+    let first = amontons(folder.path(), &study);
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    let json = fs::read_to_string(folder.path().join("one/study.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let step = format!("--step={}", json["step"]);
+    let chosen = [&study[..], &["--integrator=event-driven", &step]].concat();
+    let chosen = amontons(folder.path(), &chosen);
+    assert!(!chosen.status.success(), "{}", text(&chosen.stdout));
+    assert!(
+        text(&chosen.stderr).contains("the folder holds another study"),
+        "{}",
+        text(&chosen.stderr)
+    );
+}

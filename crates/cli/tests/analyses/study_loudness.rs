@@ -14,7 +14,8 @@ use amontons_analysis::study::{
 };
 use std::fs;
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 fn amontons(folder: &Path, arguments: &[&str]) -> Output {
     run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
@@ -262,4 +263,27 @@ fn loudness_that_makes_no_sense_is_refused_with_what_would() {
     refused(&["den_hartog"], 2, &["den_hartog has signals", "study transient"]);
     refused(&["set1", "--set", "slider.velocity=0"], 3, &["no surface moves"]);
     refused(&["set1", "--shard", "1/2"], 2, &["-o"]);
+}
+
+/// Eight modules have so many contact states that the search for candidates lasts.
+#[test]
+fn points_are_checked_before_the_search_for_candidates_which_ctrl_c_ends() {
+    let folder = folder();
+    let ring = builtin("set2").unwrap().text.replace("modules = 2", "modules = 8");
+    fs::write(folder.path().join("ring.toml"), ring).unwrap();
+    // Uniform sliding is stable.
+    let study = ["study", "loudness", "ring.toml", "--set=friction.coefficient=1", "-o=out"];
+    let begun = Instant::now();
+    let refused = amontons(folder.path(), &[&study[..], &["--points=module[9].m2"]].concat());
+    assert_refused(&refused, 2, &["no point module[9].m2", "module[1].m1"]);
+    assert!(begun.elapsed() < Duration::from_secs(5));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_amontons"));
+    command.current_dir(folder.path()).args(study);
+    let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_refused(&output, 130, &["interrupted"]);
+    assert!(!folder.path().join("out").exists());
 }

@@ -253,6 +253,23 @@ fn studies_that_make_no_sense_are_refused_with_what_would() {
     refused("set1", &[mu, "--pushes=uniform(-1,1)"], &["uniform(-1,1) of --pushes reaches -1"]);
     refused("set1", &[mu, "--pushes=uniform(0,1)", "--runs=0"], &["0 runs show nothing"]);
     refused("set1", &[mu, "--runs=5"], &["--pushes"]);
+    for option in [
+        "--window=1",
+        "--interval=1e-4",
+        "--longest=1",
+        "--of=module[1].x1",
+        "--integrator=event-driven",
+        "--step=1e-6",
+        "--preset=design",
+    ] {
+        let name = option.split('=').next().unwrap();
+        refused("set1", &[mu, option], &[name, "leave it out, or give --pushes"]);
+    }
+    for option in ["--state=Sl", "--bands=0:500", "--no-indices"] {
+        let name = option.split('=').next().unwrap();
+        let words = [name, "leave it out, or give --uncertain"];
+        refused("set1", &["--pushes=uniform(0,0.1)", option], &words);
+    }
     refused(
         "den_hartog",
         &["--pushes=uniform(0,0.1)"],
@@ -294,4 +311,81 @@ fn growth_is_told_for_each_band_that_is_asked_for() {
     assert!(bands[0].starts_with("probability,growth in band,0.0,200.0,0.0,"), "{csv}");
     assert!(bands[1].starts_with("probability,growth in band,200.0,250.0,1.0,"), "{csv}");
     assert!(!csv.contains("index"), "{csv}");
+}
+
+/// Stiffnesses of k5 from 20 % below to 20 % above put the critical step of Set 1 on both sides of 2e-4 s.
+#[test]
+fn each_run_is_told_with_its_values_and_the_reason_of_its_failure() {
+    let folder = folder();
+    let arguments = [
+        "study",
+        "robustness",
+        "set1",
+        "--uncertain=module[*].k5=uniform(±20%)",
+        "--points=16",
+        "--no-indices",
+        "--pushes=uniform(0,0.1)",
+        "--runs=6",
+        "--integrator=forward-increment",
+        "--step=2e-4",
+        "--longest=0.5",
+        "--window=0.5",
+        "-o",
+        "runs",
+    ];
+    let output = amontons(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let csv = fs::read_to_string(folder.path().join("runs/runs.csv")).unwrap();
+    let mut rows = csv.lines();
+    let head = "push,end,kind,frequency,failure,\"module[1].k5\",\"module[2].k5\"";
+    assert_eq!(rows.next(), Some(head));
+    let (mut failed, mut all) = (0, 0);
+    for row in rows {
+        let values: Vec<f64> =
+            row.rsplit(',').take(2).map(|value| value.parse().unwrap()).collect();
+        assert!(values.iter().all(|k5| (k5 / 300e3 - 1.0).abs() <= 0.2), "{row}");
+        assert_ne!(values[0], values[1]);
+        let fails = row.contains(",failed,");
+        assert_eq!(
+            fails,
+            row.contains("\"integrator.step = 2e-4 s is above the critical step"),
+            "{row}"
+        );
+        failed += u32::from(fails);
+        all += 1;
+    }
+    assert!(all == 6 && 0 < failed && failed < 6, "{csv}");
+}
+
+/// A step that equals the one which the scene derives is that of all draws, and a derived one is that of its draw.
+#[test]
+fn a_study_with_a_chosen_step_takes_no_pieces_of_one_that_derives_the_step_of_each_draw() {
+    let folder = folder();
+    let study = [
+        "study",
+        "robustness",
+        "stick_slip",
+        "--uncertain=spring.hold.stiffness=uniform(±50%)",
+        "--points=16",
+        "--no-indices",
+        "--pushes=uniform(0,0.1)",
+        "--runs=2",
+        "-o",
+        "one",
+    ];
+    assert_other_step(folder.path(), &study);
+}
+
+/// Runs a study, and the same one with its own step as the chosen one, which is refused in the same folder.
+fn assert_other_step(folder: &Path, study: &[&str]) {
+    let first = amontons(folder, study);
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    let json = fs::read_to_string(folder.join("one/study.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["method"], "event-driven");
+    let step = format!("--step={}", json["step"]);
+    let chosen = amontons(folder, &[study, &["--integrator=event-driven", &step]].concat());
+    assert!(!chosen.status.success(), "{}", text(&chosen.stdout));
+    let said = text(&chosen.stderr);
+    assert!(said.contains("the folder holds another study"), "{said}");
 }

@@ -98,6 +98,14 @@ def sensitivities(
     at: float = 0.0,
     progress: _Progress = None,
 ) -> dict[str, Any]: ...
+def growth_rates(
+    scene: Scene,
+    names: list[str],
+    values: list[float],
+    state: str | None = None,
+    at: float = 0.0,
+    progress: _Progress = None,
+) -> NDArray[np.float64]: ...
 def candidates(
     scene: Scene, range: tuple[float, float], at: float = 0.0, progress: _Progress = None
 ) -> dict[str, Any]: ...

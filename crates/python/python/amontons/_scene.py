@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from . import _core, _studies
+from . import _core, _loudness, _robustness, _studies
 from ._errors import ArgumentError, Error
 from ._progress import reporting
 from ._tables import columns, give_units, names_of, table
@@ -658,6 +658,9 @@ class Scene:
     orbit = _studies.orbit
     branches = _studies.branches
     transient = _studies.transient
+    robustness = _robustness.robustness
+    growth_rates = _robustness.growth_rates
+    loudness = _loudness.loudness
 
 
 class Drawing:

@@ -22,7 +22,7 @@ pub use measure::{ContactPower, Measured, PointMotion, Power, TakenStates};
 pub use points::{MeasuredPoint, measured_points};
 pub use ranks::disagreements;
 pub use shares::ModeShare;
-pub use ways::{Unexamined, Way, WayKind, Ways, ways};
+pub use ways::{Unexamined, Way, WayKind, Ways, check_undriven, ways};
 
 use super::attractor::attractors;
 use super::long_term::{Kind, LongTermMotion};
@@ -97,6 +97,17 @@ pub struct FoundMotion {
     pub measured: Option<Measured>,
     /// The mode of uniform sliding whose frequency is nearest to that of the motion, with its share of the kinetic energy.
     pub nearest: Option<ModeShare>,
+}
+
+impl FoundMotion {
+    /// The mode with the largest share of the kinetic energy, where that is another one than the nearest.
+    #[must_use]
+    pub fn strongest(&self) -> Option<&ModeShare> {
+        let strongest = self.measured.as_ref()?.shares.first()?;
+        let is_other =
+            self.nearest.as_ref().is_some_and(|nearest| nearest.modes != strongest.modes);
+        is_other.then_some(strongest)
+    }
 }
 
 /// The results of the study.

@@ -45,6 +45,7 @@ pub fn disagreements(found: &Loudness, observation: &ObservationSettings) -> Vec
     let mut said: Vec<String> = Vec::new();
     for row in &found.rows {
         said.extend(other_mode(row, found));
+        said.extend(several(row));
         said.extend(not_met(row, found));
         said.extend(no_motion(row, found, observation));
     }
@@ -73,13 +74,33 @@ fn other_mode(row: &Row, found: &Loudness) -> Option<String> {
         return None;
     }
     let frequency = motion.ending.frequency?;
+    // Nearness in frequency is no proof.
+    let strongest = motion.strongest().map_or_else(String::new, |strongest| {
+        format!(
+            "; mode {} ({:.2} Hz) has the largest share of the kinetic energy, {:.0} %",
+            strongest.numbers(),
+            strongest.frequency,
+            100.0 * strongest.share
+        )
+    });
     Some(format!(
-        "{}, but its motion has {frequency:.2} Hz, nearest to mode {} ({:.2} Hz, {:+.4} 1/s)",
+        "{}, but its motion has {frequency:.2} Hz, nearest to mode {} ({:.2} Hz, {:+.4} 1/s){strongest}",
         grows(row, found),
         nearest.numbers(),
         nearest.frequency,
         nearest.growth_rate
     ))
+}
+
+/// The sentence on a candidate that stands for several modes of one eigenvalue.
+fn several(row: &Row) -> Option<String> {
+    (row.way.copies > 1).then(|| {
+        format!(
+            "{} stands for {} modes of one eigenvalue, of which one was pushed; others may lead elsewhere",
+            row.way.name(),
+            row.way.copies
+        )
+    })
 }
 
 /// The sentence on a candidate whose contact states no motion takes.
@@ -292,6 +313,34 @@ mod tests {
         let double = found(&[(3, 5.0, Some(0)), (4, 5.0, Some(0))], vec![loud(0.2, 3)]);
         let last = said(&double).pop().unwrap();
         assert_eq!(last, "all 2 growing modes with a settled motion lead to the same one");
+    }
+
+    #[test]
+    fn a_mode_with_more_of_the_kinetic_energy_is_named_beside_the_one_of_nearest_frequency() {
+        let share = |mode: usize, frequency: f64, share: f64| ModeShare {
+            modes: vec![mode],
+            frequency,
+            growth_rate: -1.0,
+            share,
+        };
+        let mut one = motion(Kind::Periodic, 100.0, 0.1, 4);
+        one.measured.as_mut().unwrap().shares = vec![share(4, 100.0, 0.6), share(6, 130.0, 0.4)];
+        assert_eq!(one.strongest(), None);
+        let told = said(&found(&[(6, 5.0, Some(0))], vec![one.clone()]));
+        assert!(told[0].ends_with("nearest to mode 4 (100.00 Hz, +1.0000 1/s)"), "{told:?}");
+        one.measured.as_mut().unwrap().shares.reverse();
+        let told = said(&found(&[(5, 5.0, Some(0))], vec![one]));
+        let expected = "; mode 6 (130.00 Hz) has the largest share of the kinetic energy, 40 %";
+        assert!(told[0].ends_with(expected), "{told:?}");
+    }
+
+    #[test]
+    fn a_candidate_of_several_modes_says_that_one_was_pushed() {
+        let mut double = found(&[(1, 5.0, Some(0))], vec![motion(Kind::Periodic, 100.0, 0.1, 1)]);
+        assert_eq!(said(&double), Vec::<String>::new());
+        double.rows[0].way.copies = 2;
+        let told = said(&double);
+        assert!(told[0].contains("stands for 2 modes of one eigenvalue"), "{told:?}");
     }
 
     #[test]

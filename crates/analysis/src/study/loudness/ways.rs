@@ -9,6 +9,10 @@ use amontons::contact::{ContactState, JoinedStates};
 use amontons::scene::Scene;
 use nalgebra::Complex;
 use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Eigenvalues this near, in parts of themselves, are one.
+const EQUAL: f64 = 1e-6;
 
 /// The kind of a way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -36,6 +40,8 @@ pub struct Way {
     pub growth_rate: f64,
     /// Number of waves of the mode around a ring of equal modules.
     pub waves: Option<usize>,
+    /// Number of modes of one eigenvalue for which a candidate stands; 1 for a growing mode, each of which is a way of its own.
+    pub copies: usize,
     #[serde(skip)]
     pub(super) contact_states: Vec<ContactState>,
     #[serde(skip)]
@@ -80,6 +86,21 @@ pub(super) struct Start {
     pub push: f64,
 }
 
+/// Refuses a scene with signals, in which no motion starts from uniform sliding under a constant drive.
+///
+/// # Errors
+/// Returns an error that says what would be right.
+pub fn check_undriven(scene: &Scene) -> Result<(), Error> {
+    if scene.signals.is_empty() {
+        return Ok(());
+    }
+    Err(Error::argument(format!(
+        "{} has signals; the loudness of modes is that of motions which start from uniform sliding under a constant drive: \
+         take the signals out of the scene, or follow its one run with `amontons study transient`",
+        scene.name
+    )))
+}
+
 /// The ways out of the uniform sliding of a scene at its µ; at most `most` candidates.
 ///
 /// # Errors
@@ -104,20 +125,42 @@ pub fn ways(scene: &Scene, most: usize, watch: Watch<'_>) -> Result<Ways, Error>
     let mut candidates = candidates_at(scene, watch)?;
     // What no motion can reach is no way.
     candidates.retain(|candidate| candidate.reach.is_some());
+    let candidates = joined(candidates);
     let left = candidates.len().saturating_sub(most);
     let ways = candidates.into_iter().take(most).enumerate();
-    let ways = ways.map(|(place, candidate)| Way {
+    let ways = ways.map(|(place, (candidate, copies))| Way {
         kind: WayKind::Candidate,
         number: place + 1,
         states: JoinedStates(&candidate.states).to_string(),
         frequency: candidate.at_end[0],
         growth_rate: candidate.at_end[1],
         waves: None,
+        copies,
         contact_states: candidate.states.clone(),
         source: Source::Candidate(candidate),
     });
     let unexamined = (left > 0).then_some(Unexamined::Candidates(left));
     Ok(Ways { grows: false, ways: ways.collect(), unexamined })
+}
+
+/// Candidates, each with the number of modes of its eigenvalue: pushes along these are one push, since their shapes are any
+/// two of one plane.
+fn joined(candidates: Vec<Candidate>) -> Vec<(Candidate, usize)> {
+    let mut joined: Vec<(Candidate, usize)> = Vec::new();
+    for candidate in candidates {
+        let is_same = |other: &Candidate| {
+            let [frequency, rate] = candidate.at_end;
+            let near = EQUAL * (TAU * frequency).hypot(rate);
+            other.states == candidate.states
+                && TAU * (other.at_end[0] - frequency).abs() <= near
+                && (other.at_end[1] - rate).abs() <= near
+        };
+        match joined.iter_mut().find(|(known, _)| is_same(known)) {
+            Some((_, copies)) => *copies += 1,
+            None => joined.push((candidate, 1)),
+        }
+    }
+    joined
 }
 
 fn of_mode(place: usize, mode: &Mode, states: &[ContactState], slowest: f64) -> Way {
@@ -128,6 +171,7 @@ fn of_mode(place: usize, mode: &Mode, states: &[ContactState], slowest: f64) -> 
         frequency: mode.frequency_hz(),
         growth_rate: mode.growth_rate(),
         waves: mode.waves,
+        copies: 1,
         contact_states: states.to_vec(),
         source: Source::Mode(mode.eigenvalue, mode.shape.clone(), slowest),
     }
@@ -206,6 +250,27 @@ mod tests {
         assert_eq!(first.unexamined, Some(Unexamined::Candidates(all - 1)));
         set2.friction_coefficient = 0.0;
         assert_eq!(ways(&set2, 20, Watch::IDLE).unwrap().ways, []);
+    }
+
+    /// Equal parts of a structure that do not touch have their eigenvalues several times.
+    #[test]
+    fn candidates_of_one_eigenvalue_are_one_way_that_counts_them() {
+        let mut set2 = builtin("set2").unwrap().scene();
+        set2.friction_coefficient = 1.96;
+        let mut all = candidates_at(&set2, Watch::IDLE).unwrap();
+        assert!(all.len() > 1 && joined(all.clone()).iter().all(|(_, copies)| *copies == 1));
+        // An eigenvalue that comes twice has the rounding of two computations.
+        let mut again = all[0].clone();
+        again.at_end[0] *= 1.0 + 1e-9;
+        all.insert(1, again);
+        // The same numbers in another state are another candidate.
+        let mut other = all[0].clone();
+        other.states.reverse();
+        all.push(other);
+        let found = joined(all.clone());
+        assert_eq!(found.len(), all.len() - 1);
+        assert_eq!(found[0], (all[0].clone(), 2));
+        assert!(found[1..].iter().all(|(_, copies)| *copies == 1));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use amontons_export::package::Library;
 use amontons_matrices::Location;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use serde::Serialize;
 use std::fs;
 use std::path::PathBuf;
 
@@ -263,7 +264,7 @@ fn above_zero(text: &str) -> Result<f64, String> {
 }
 
 /// In place of the scene's `[integrator]`.
-#[derive(Args)]
+#[derive(Args, Serialize)]
 pub struct Integrator {
     /// Internal time step, s [default: the scene's; in event-driven studies the time between two observations]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]

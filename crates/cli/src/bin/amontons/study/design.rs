@@ -2,7 +2,6 @@
 
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, quoted};
-use super::robustness::MOST_RUNS;
 use super::{found, prepared_again, set_pace};
 use amontons::Error;
 use amontons::contact::{ContactState, JoinedStates};
@@ -15,7 +14,7 @@ use amontons_analysis::design::{
 };
 use amontons_analysis::instant::{require_undriven, signals_left_out};
 use amontons_analysis::robustness::{
-    Distribution, End, Estimate, Pushes, Squeals, Uncertain, parameters,
+    Distribution, End, Estimate, Pushes, Squeals, Uncertain, check_runs, parameters, push_velocity,
 };
 use amontons_analysis::stability::{Linearised, StateClasses, named_states};
 use amontons_analysis::study::{ObservationSettings, Push};
@@ -116,9 +115,9 @@ pub fn run(arguments: &DesignArguments) -> Result<(), Box<dyn std::error::Error>
         let observation = ObservationSettings::of(&scene, &options.request())?;
         set_pace(&mut scene, common, &observation, amontons_analysis::study::pace)?;
     }
-    let velocity = super::robustness::push_velocity(&pushes)?;
+    let velocity = push_velocity(&pushes)?;
     let names: Vec<String> = patterns.iter().map(|it| JoinedStates(it).to_string()).collect();
-    let look = has_runs.then(|| json!({ "pushes": pushes.to_string(), "look": options }));
+    let look = has_runs.then(|| json!({ "pushes": pushes.to_string(), "look": options, "integrator": common.integrator }));
     let settings = json!({
         "vary": varied,
         "friction": range,
@@ -197,12 +196,6 @@ fn check(arguments: &DesignArguments, scene: &Scene) -> Result<(), Error> {
             "the margin is a growth rate by which all modes stay below zero; give --margin 0 or more, 1/s",
         ));
     }
-    if arguments.runs > MOST_RUNS {
-        return Err(Error::argument(format!(
-            "{} runs are too many; give --runs up to {MOST_RUNS}",
-            arguments.runs
-        )));
-    }
     if arguments.runs > 0 && !scene.signals.is_empty() {
         return Err(Error::argument(format!(
             "{} has signals, which keep it in motion whether it squeals or not: give --runs 0, or remove the signals from the \
@@ -210,7 +203,7 @@ fn check(arguments: &DesignArguments, scene: &Scene) -> Result<(), Error> {
             scene.name
         )));
     }
-    Ok(())
+    if arguments.runs > 0 { check_runs(scene, arguments.runs) } else { Ok(()) }
 }
 
 /// Refuses a range of the friction coefficient that ends above static friction.

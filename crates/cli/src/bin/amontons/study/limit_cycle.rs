@@ -113,7 +113,8 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
         let observation = prepare(&mut scene)?;
         runs.push((scene, observation));
     }
-    let settings = (&observation, options);
+    // Each value derives its step anew unless it is chosen.
+    let settings = (&observation, options, &common.integrator);
     let mut folder =
         Folder::open_shared(common, *shared, "limit-cycle", (&scene, &source), settings)?;
     let found =

@@ -9,10 +9,12 @@ use amontons::error::Short;
 use amontons::scene::Scene;
 use amontons_analysis::study::loudness::{
     Attempt, FoundMotion, Loudness as Found, LoudnessQuestion, Measured, Row, Unexamined, Ways,
-    loudness, measured_points, ways,
+    check_undriven, loudness, measured_points, ways,
 };
-use amontons_analysis::study::{Kind, ObservationSettings, Push, Watch};
+use amontons_analysis::study::{Kind, ObservationSettings, Push};
 use amontons_cli::charts::loudness::chart;
+use amontons_cli::interrupt::{self, Interrupted};
+use amontons_cli::progress::Progress;
 use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
 use amontons_export::documentation::counted;
@@ -43,17 +45,10 @@ pub struct Loudness {
 pub fn run(arguments: &Loudness) -> Result<(), Box<dyn Error>> {
     let Loudness { common, shared, options, push, points, candidates } = arguments;
     let (mut scene, source, observation) = prepared(common, options)?;
-    if !scene.signals.is_empty() {
-        return Err(amontons::Error::argument(format!(
-            "{} has signals; the loudness of modes is that of motions which start from uniform sliding under a constant drive: \
-             take the signals out of the scene, or follow its one run with `amontons study transient`",
-            scene.name
-        ))
-        .into());
-    }
+    check_undriven(&scene)?;
     scene.rest();
-    let found = ways(&scene, *candidates, Watch::IDLE)?;
     let points = measured_points(&scene, points)?;
+    let found = searched(&scene, *candidates)?;
     let push = push.unwrap_or_else(|| Push::of(&scene).velocity);
     let names: Vec<&str> = points.iter().map(|point| &*point.name).collect();
     let settings = json!({ "push": push, "points": names, "look": observation });
@@ -73,6 +68,16 @@ pub fn run(arguments: &Loudness) -> Result<(), Box<dyn Error>> {
     folder.draw("loudness", &chart(&scene, &results))?;
     say!("\nresults and the picture are in {}", folder.path().display());
     Ok(())
+}
+
+/// The ways out of uniform sliding, under a bar: with many contacts candidates take a while.
+fn searched(scene: &Scene, most: usize) -> Result<Ways, Box<dyn Error>> {
+    let bar = Progress::in_parts("the candidates");
+    let found = interrupt::watched(&bar, |watch| ways(scene, most, watch));
+    if found.is_err() && interrupt::stopped().is_break() {
+        return Err(Box::new(Interrupted));
+    }
+    Ok(found?)
 }
 
 const HEAD: [&str; 23] = [
@@ -281,6 +286,14 @@ fn print_motion(place: usize, motion: &FoundMotion, found: &Found) {
             nearest.numbers(),
             nearest.frequency,
             100.0 * nearest.share
+        );
+    }
+    if let Some(strongest) = motion.strongest() {
+        say!(
+            "  mode {} ({:.2} Hz) has the largest share, {:.0} %",
+            strongest.numbers(),
+            strongest.frequency,
+            100.0 * strongest.share
         );
     }
     let states = measured.states.iter();

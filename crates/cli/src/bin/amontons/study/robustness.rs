@@ -9,19 +9,16 @@ use amontons::scene::Scene;
 use amontons::simulation::at_instant;
 use amontons_analysis::instant::signals_left_out;
 use amontons_analysis::robustness::{
-    Design, Distribution, Draws, End, Estimate, Index, Parameter, Pushes, Robustness, Squeals,
-    Uncertain, check_size, parameters, robustness, squeals, verdict,
+    Both as Found, Design, Distribution, End, Estimate, Index, Parameter, Pushes, Squeals,
+    Uncertain, both, check_runs, check_size, parameters, push_velocity, verdict,
 };
-use amontons_analysis::study::{Journal, ObservationSettings, Watch};
+use amontons_analysis::study::ObservationSettings;
 use amontons_analysis::sweep::range::ends;
 use amontons_cli::charts::robustness::{histogram, indices};
 use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
 use clap::Args;
 use serde_json::json;
-
-/// The most runs after pushes: their ends are kept in memory.
-pub const MOST_RUNS: u64 = 10_000_000;
 
 #[derive(Args)]
 pub struct RobustnessArguments {
@@ -65,14 +62,6 @@ pub struct RobustnessArguments {
     pub options: ObservationOptions,
 }
 
-/// The results of a study.
-struct Found {
-    /// `None` if no parameter scatters.
-    eigenvalues: Option<Robustness>,
-    /// `None` without pushes.
-    runs: Option<Squeals>,
-}
-
 pub fn run(arguments: &RobustnessArguments) -> Result<(), Box<dyn std::error::Error>> {
     let RobustnessArguments { common, shared, options, seed, .. } = arguments;
     let (scene, source) = found(common)?;
@@ -88,7 +77,14 @@ pub fn run(arguments: &RobustnessArguments) -> Result<(), Box<dyn std::error::Er
     // Said before the folder is made.
     verdict(&scene, arguments.state.as_deref())?;
     let pushes = arguments.pushes.as_ref();
-    let pushes = pushes.map(|pushes| json!({ "pushes": pushes.to_string(), "look": options }));
+    let pushes = pushes.map(|pushes| {
+        json!({
+            "pushes": pushes.to_string(),
+            "look": options,
+            // Each draw derives its step anew unless it is chosen.
+            "integrator": common.integrator,
+        })
+    });
     let described: Vec<_> = parameters.iter().map(Parameter::described).collect();
     // Other numbers of points, scramblings, bands or runs take over the pieces that are there.
     let settings = json!({
@@ -121,7 +117,7 @@ pub fn run(arguments: &RobustnessArguments) -> Result<(), Box<dyn std::error::Er
     });
     let bands = (!arguments.bands.is_empty()).then_some(&arguments.bands[..]);
     let Some(found) =
-        folder.found(|journal, watch| work(&design, bands, pushes.as_ref(), journal, watch))?
+        folder.found(|journal, watch| both(&design, bands, pushes.as_ref(), journal, watch))?
     else {
         return Ok(());
     };
@@ -150,23 +146,9 @@ fn check(
         ));
     }
     check_size(arguments.scramblings, arguments.points)?;
+    check_options(arguments)?;
     if arguments.pushes.is_some() {
-        if !scene.signals.is_empty() {
-            return Err(Error::argument(format!(
-                "{} has signals, which keep it in motion whether it squeals or not: leave out --pushes, or remove the \
-                 signals from the scene",
-                scene.name
-            )));
-        }
-        if arguments.runs == 0 {
-            return Err(Error::argument("0 runs show nothing; give --runs 1 or more, such as 100"));
-        }
-        if arguments.runs > MOST_RUNS {
-            return Err(Error::argument(format!(
-                "{} runs are too many; give --runs up to {MOST_RUNS}",
-                arguments.runs
-            )));
-        }
+        check_runs(scene, arguments.runs)?;
     }
     for parameter in parameters {
         let is_set = arguments.common.set.iter().any(|(name, _)| name == parameter.name());
@@ -186,42 +168,38 @@ fn check(
     Ok(())
 }
 
-/// Draws of the velocity of pushes, which has no value in the scene.
-pub fn push_velocity(pushes: &Distribution) -> Result<Draws, Error> {
-    let refused = |why: String| Error::argument(format!("{pushes} of --pushes {why}"));
-    if pushes.is_relative() {
-        return Err(refused(
-            "is a part of a scene's value, which pushes do not have; give numbers, such as uniform(0,0.1)"
-                .to_owned(),
-        ));
+/// Refuses options that would change nothing: those of runs without pushes, and those of draws without parameters that scatter.
+fn check_options(arguments: &RobustnessArguments) -> Result<(), Error> {
+    let ObservationOptions { of, window, interval, longest } = &arguments.options;
+    let integrator = &arguments.common.integrator;
+    let of_runs = [
+        ("--of", of.is_some()),
+        ("--window", window.is_some()),
+        ("--interval", interval.is_some()),
+        ("--longest", longest.is_some()),
+        ("--integrator", integrator.integrator.is_some()),
+        ("--step", integrator.step.is_some()),
+        ("--preset", integrator.preset.is_some()),
+    ];
+    let of_draws = [
+        ("--state", arguments.state.is_some()),
+        ("--bands", !arguments.bands.is_empty()),
+        ("--no-indices", arguments.no_indices),
+    ];
+    let idle = |options: &[(&'static str, bool)]| {
+        options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name)
+    };
+    if let Some(name) = idle(&of_runs).filter(|_| arguments.pushes.is_none()) {
+        return Err(Error::argument(format!(
+            "{name} is for runs after pushes, and eigenvalues do not depend on it: leave it out, or give --pushes"
+        )));
     }
-    pushes.draws(0.0, [0.0, f64::INFINITY]).map_err(refused)
-}
-
-/// All work of the study; `None` if it was ended, or needs pieces of other workers.
-fn work(
-    design: &Design<'_>,
-    bands: Option<&[[f64; 2]]>,
-    pushes: Option<&Pushes<'_>>,
-    journal: &Journal,
-    watch: Watch<'_>,
-) -> Result<Option<Found>, Error> {
-    // Runs take nearly all of the time.
-    let first = if pushes.is_some() { 0.1 } else { 1.0 };
-    let part = |from: f64, to: f64| move |part: f64| (watch.progress)(from + (to - from) * part);
-    let (of_draws, of_runs) = (part(0.0, first), part(first, 1.0));
-    let draws = Watch { progress: &of_draws, ..watch };
-    let eigenvalues = if design.parameters.is_empty() {
-        Some(None)
-    } else {
-        robustness(design, bands, journal, draws)?.map(Some)
-    };
-    let runs = match pushes {
-        // Workers share the pieces of both parts in one round.
-        Some(pushes) => squeals(pushes, journal, Watch { progress: &of_runs, ..watch })?.map(Some),
-        None => Some(None),
-    };
-    Ok(eigenvalues.zip(runs).map(|(eigenvalues, runs)| Found { eigenvalues, runs }))
+    if let Some(name) = idle(&of_draws).filter(|_| arguments.uncertain.is_empty()) {
+        return Err(Error::argument(format!(
+            "{name} is for eigenvalues of draws, and no parameter scatters: leave it out, or give --uncertain"
+        )));
+    }
+    Ok(())
 }
 
 /// Rows of results.csv: probabilities and indices.
@@ -275,12 +253,25 @@ fn write(
         folder.write_table("histogram", &["growth_from", "growth_to", "draws"], class)?;
     }
     if let Some(runs) = &found.runs {
+        // Names of parameters may have commas.
+        let names: Vec<String> = parameters.iter().map(|one| quoted(one.name())).collect();
+        let head = ["push", "end", "kind", "frequency", "failure"];
+        let head: Vec<&str> = head.into_iter().chain(names.iter().map(String::as_str)).collect();
         let row = runs.runs.iter().map(|run| {
             let kind = run.kind.map_or("", |kind| kind.name()).to_owned();
             let frequency = run.frequency.map_or_else(String::new, |value| format!("{value:?}"));
-            [format!("{:?}", run.push), run.end.name().to_owned(), kind, frequency]
+            let failure = run.failure.as_deref().map_or_else(String::new, quoted);
+            let mut row = vec![
+                format!("{:?}", run.push),
+                run.end.name().to_owned(),
+                kind,
+                frequency,
+                failure,
+            ];
+            row.extend(run.values.iter().map(|value| format!("{value:?}")));
+            row
         });
-        folder.write_table("runs", &["push", "end", "kind", "frequency"], row)?;
+        folder.write_table("runs", &head, row)?;
     }
     folder.write_json(json!({
         "scramblings": arguments.scramblings,
@@ -337,7 +328,7 @@ fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArgument
                 "it does not vary, or one of the points that indices need besides the draws has no equilibrium"
             };
             print_indices("the largest growth rate", parameters, found.of_growth.as_deref(), why);
-            let why = "a scrambling has no unstable draw, or no other; more --points may have";
+            let why = "fewer than 32 points are unstable, or stable; more --points may have more";
             print_indices("instability", parameters, found.of_instability.as_deref(), why);
         }
     }
