@@ -9,7 +9,7 @@ use amontons::scene::Scene;
 use amontons::simulation::at_instant;
 use amontons_analysis::instant::signals_left_out;
 use amontons_analysis::robustness::{
-    Design, Distribution, Draws, End, Estimate, Index, Parameter, Pushes, Robustness, Squeals,
+    Design, Distribution, Draws, Estimate, Index, Parameter, Pushes, Robustness, Squeals,
     Uncertain, check_size, parameters, robustness, squeals, verdict,
 };
 use amontons_analysis::study::{Journal, ObservationSettings, Watch};
@@ -17,6 +17,7 @@ use amontons_analysis::sweep::range::ends;
 use amontons_cli::charts::robustness::{histogram, indices};
 use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
+use amontons_cli::words::robustness as words;
 use clap::Args;
 use serde_json::json;
 
@@ -318,25 +319,13 @@ fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArgument
             None => "there is no equilibrium in sliding".to_owned(),
         };
         say!("  with the scene's own values {nominal}");
-        say!("  P(unstable)        {}", percent(&found.unstable));
-        say!("  P(stable)          {}", percent(&found.stable));
-        say!("  P(no equilibrium)  {}", percent(&found.no_equilibrium));
-        for band in &found.bands {
-            let [from, to] = band.frequencies;
-            let range = match to {
-                0.0 => "without oscillation".to_owned(),
-                _ => format!("from {from:.1} to {to:.1} Hz"),
-            };
-            say!("  P(growth {range})  {}", percent(&band.unstable));
+        for (name, estimate) in words::probabilities(found) {
+            say!("  {name:<17}  {}", words::percent(&estimate));
         }
         if !arguments.no_indices {
-            let why = if found.no_equilibrium.value > 0.0 {
-                "draws without equilibrium have none"
-            } else {
-                "it does not vary, or one of the points that indices need besides the draws has no equilibrium"
-            };
+            let why = words::growth_without_indices(found);
             print_indices("the largest growth rate", parameters, found.of_growth.as_deref(), why);
-            let why = "a scrambling has no unstable draw, or no other; more --points may have";
+            let why = words::INSTABILITY_WITHOUT_INDICES;
             print_indices("instability", parameters, found.of_instability.as_deref(), why);
         }
     }
@@ -355,39 +344,18 @@ fn print_indices(of: &str, parameters: &[Parameter], indices: Option<&[Index]>, 
     let widest = parameters.iter().map(|parameter| parameter.name().len()).max().unwrap_or(0);
     say!("  {:<widest$}  {:<27}  with all others", "", "by itself");
     for (parameter, Index { first, total }) in parameters.iter().zip(indices) {
-        say!("  {:<widest$}  {:<27}  {}", parameter.name(), part(first), part(total));
+        say!("  {:<widest$}  {:<27}  {}", parameter.name(), words::part(first), words::part(total));
     }
 }
 
 fn print_runs(arguments: &RobustnessArguments, runs: &Squeals) {
     let pushes = arguments.pushes.as_ref().map(ToString::to_string).unwrap_or_default();
     say!("\n{} runs after pushes of {pushes} m/s in random directions", runs.runs.len());
-    for end in [End::Rests, End::Squeals, End::NotSettled, End::NoEquilibrium, End::Failed] {
-        let count = runs.count(end);
-        if count > 0 || matches!(end, End::Rests | End::Squeals | End::NotSettled) {
-            say!("  {count:>6}  {}", end.name());
-        }
+    for (count, end) in words::ends(runs) {
+        say!("  {count:>6}  {end}");
     }
-    let Estimate { value, low, high } = runs.probability;
-    let value = if runs.at_most > value {
-        format!("{:.2} to {:.2}", 100.0 * value, 100.0 * runs.at_most)
-    } else {
-        format!("{:.2}", 100.0 * value)
-    };
-    say!("  P(squeals)  {value} %  ({:.2} to {:.2})", 100.0 * low, 100.0 * high);
+    say!("  P(squeals)  {}", words::squeal(runs));
     if let Some(failure) = runs.runs.iter().find_map(|run| run.failure.as_ref()) {
         eprintln!("note: the first failed run: {failure}");
     }
-}
-
-/// A probability and its interval in per cent.
-fn percent(estimate: &Estimate) -> String {
-    let [value, low, high] =
-        [estimate.value, estimate.low, estimate.high].map(|value| 100.0 * value);
-    format!("{value:.4} %  ({low:.4} to {high:.4})")
-}
-
-/// A part and its interval.
-fn part(estimate: &Estimate) -> String {
-    format!("{:.4}  ({:.4} to {:.4})", estimate.value, estimate.low, estimate.high)
 }
