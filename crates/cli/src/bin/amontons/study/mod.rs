@@ -11,6 +11,7 @@ mod loudness;
 mod merge;
 pub mod orbit;
 mod perturbation;
+mod report;
 mod robustness;
 mod transient;
 
@@ -39,6 +40,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Orbit(arguments) => orbit::run(arguments),
         Study::Branches(arguments) => branches::run(arguments),
         Study::Robustness(arguments) => robustness::run(arguments),
+        Study::Report(arguments) => report::run(arguments),
         Study::Merge(arguments) => merge::run(arguments),
     }
 }

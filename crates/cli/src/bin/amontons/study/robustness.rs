@@ -19,7 +19,7 @@ use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
 use amontons_cli::words::robustness as words;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// The most runs after pushes: their ends are kept in memory.
 const MOST_RUNS: u64 = 10_000_000;
@@ -30,11 +30,8 @@ pub struct RobustnessArguments {
     pub common: StudyArguments,
     #[command(flatten)]
     pub shared: ShardArguments,
-    /// A parameter that scatters, with its distribution: uniform(A,B), triangular(A,MODE,B), normal(MEAN,SD),
-    /// lognormal(MEDIAN,SIGMA), with bounds as normal(MEAN,SD,MIN:MAX), or as a part of the scene's value, such as
-    /// normal(±10%). `*` in NAME stands for any part, and each parameter has draws of its own; may be repeated
-    #[arg(long, value_name = "NAME=DISTRIBUTION", value_parser = Uncertain::parse)]
-    pub uncertain: Vec<Uncertain>,
+    #[command(flatten)]
+    pub scatter: Scatter,
     /// Contact state, one for all contacts (Sl), one for each (Sl-St), by names (pad=St,*=Sl), or `equilibrium` [default:
     /// uniform sliding]
     #[arg(long, value_name = "STATE")]
@@ -45,9 +42,6 @@ pub struct RobustnessArguments {
     /// Number of independent scramblings, whose differences give the intervals
     #[arg(long, value_name = "R", default_value_t = 16)]
     pub scramblings: u64,
-    /// Seed of all draws; other seeds give independent results
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    pub seed: u64,
     /// Ranges of frequencies, Hz, in each of which the probability of growth is told [default: the families of frequencies in
     /// which modes grow]
     #[arg(long, value_name = "A:B,...", value_parser = ends, value_delimiter = ',')]
@@ -55,6 +49,21 @@ pub struct RobustnessArguments {
     /// Compute no Sobol indices, which take two and one more evaluation for each parameter with each draw
     #[arg(long)]
     pub no_indices: bool,
+    #[command(flatten)]
+    pub options: ObservationOptions,
+}
+
+/// What scatters, and the runs of draws.
+#[derive(Args)]
+pub struct Scatter {
+    /// A parameter that scatters, with its distribution: uniform(A,B), triangular(A,MODE,B), normal(MEAN,SD),
+    /// lognormal(MEDIAN,SIGMA), with bounds as normal(MEAN,SD,MIN:MAX), or as a part of the scene's value, such as
+    /// normal(±10%). `*` in NAME stands for any part, and each parameter has draws of its own; may be repeated
+    #[arg(long, value_name = "NAME=DISTRIBUTION", value_parser = Uncertain::parse)]
+    pub uncertain: Vec<Uncertain>,
+    /// Seed of all draws; other seeds give independent results
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
     /// Run draws too, each after a push in a random direction out of its equilibrium, and tell how probable it is that the scene
     /// squeals: the distribution of the push's largest velocity, m/s, such as uniform(0,0.1)
     #[arg(long, value_name = "DISTRIBUTION", value_parser = Distribution::parse)]
@@ -62,34 +71,32 @@ pub struct RobustnessArguments {
     /// Number of runs after pushes
     #[arg(long, value_name = "N", default_value_t = 100, requires = "pushes")]
     pub runs: u64,
-    #[command(flatten)]
-    pub options: ObservationOptions,
 }
 
 /// The results of a study.
-struct Found {
+pub struct Found {
     /// `None` if no parameter scatters.
-    eigenvalues: Option<Robustness>,
+    pub eigenvalues: Option<Robustness>,
     /// `None` without pushes.
-    runs: Option<Squeals>,
+    pub runs: Option<Squeals>,
 }
 
 pub fn run(arguments: &RobustnessArguments) -> Result<(), Box<dyn std::error::Error>> {
-    let RobustnessArguments { common, shared, options, seed, .. } = arguments;
+    let RobustnessArguments { common, shared, options, scatter, .. } = arguments;
+    let Scatter { seed, pushes, .. } = scatter;
     let (scene, source) = found(common)?;
-    let parameters = parameters(&scene, &arguments.uncertain)?;
+    let parameters = parameters(&scene, &scatter.uncertain)?;
     check(arguments, &scene, &parameters)?;
     let mut scene = at_instant(&scene, 0.0)?;
     scene.check()?;
-    let velocity = arguments.pushes.as_ref().map(push_velocity).transpose()?;
+    let velocity = pushes.as_ref().map(push_velocity).transpose()?;
     if velocity.is_some() {
         let observation = ObservationSettings::of(&scene, &options.request())?;
         set_pace(&mut scene, common, &observation, amontons_analysis::study::pace)?;
     }
     // Said before the folder is made.
     verdict(&scene, arguments.state.as_deref())?;
-    let pushes = arguments.pushes.as_ref();
-    let pushes = pushes.map(|pushes| json!({ "pushes": pushes.to_string(), "look": options }));
+    let pushes = scatter.described(options);
     let described: Vec<_> = parameters.iter().map(Parameter::described).collect();
     // Other numbers of points, scramblings, bands or runs take over the pieces that are there.
     let settings = json!({
@@ -116,7 +123,7 @@ pub fn run(arguments: &RobustnessArguments) -> Result<(), Box<dyn std::error::Er
         parameters: &parameters,
         velocity,
         prepare: &prepare,
-        runs: arguments.runs,
+        runs: scatter.runs,
         seed: *seed,
     });
     let bands = (!arguments.bands.is_empty()).then_some(&arguments.bands[..]);
@@ -143,14 +150,24 @@ fn check(
     scene: &Scene,
     parameters: &[Parameter],
 ) -> Result<(), Error> {
-    if parameters.is_empty() && arguments.pushes.is_none() {
+    if parameters.is_empty() && arguments.scatter.pushes.is_none() {
         return Err(Error::argument(
             "nothing varies: give --uncertain NAME=DISTRIBUTION, such as \
              --uncertain 'friction.coefficient=normal(±10%)', or --pushes",
         ));
     }
     check_size(arguments.scramblings, arguments.points)?;
-    if arguments.pushes.is_some() {
+    arguments.scatter.check(scene)?;
+    tell_notes(&arguments.common, scene, parameters);
+    Ok(())
+}
+
+impl Scatter {
+    /// Refuses runs that are impossible in a scene.
+    pub fn check(&self, scene: &Scene) -> Result<(), Error> {
+        if self.pushes.is_none() {
+            return Ok(());
+        }
         if !scene.signals.is_empty() {
             return Err(Error::argument(format!(
                 "{} has signals, which keep it in motion whether it squeals or not: leave out --pushes, or remove the \
@@ -158,18 +175,29 @@ fn check(
                 scene.name
             )));
         }
-        if arguments.runs == 0 {
+        if self.runs == 0 {
             return Err(Error::argument("0 runs show nothing; give --runs 1 or more, such as 100"));
         }
-        if arguments.runs > MOST_RUNS {
+        if self.runs > MOST_RUNS {
             return Err(Error::argument(format!(
                 "{} runs are too many; give --runs up to {MOST_RUNS}",
-                arguments.runs
+                self.runs
             )));
         }
+        Ok(())
     }
+
+    /// All that runs depend on, as a journal identifies it; `None` without pushes.
+    pub fn described(&self, options: &ObservationOptions) -> Option<Value> {
+        let pushes = self.pushes.as_ref();
+        pushes.map(|pushes| json!({ "pushes": pushes.to_string(), "look": options }))
+    }
+}
+
+/// Notes what a person may not expect of draws.
+pub fn tell_notes(common: &StudyArguments, scene: &Scene, parameters: &[Parameter]) {
     for parameter in parameters {
-        let is_set = arguments.common.set.iter().any(|(name, _)| name == parameter.name());
+        let is_set = common.set.iter().any(|(name, _)| name == parameter.name());
         if is_set && !parameter.is_relative {
             eprintln!(
                 "note: {} takes the values of --uncertain, not that of --set",
@@ -183,11 +211,10 @@ fn check(
     if let Some(left_out) = signals_left_out(scene, 0.0) {
         eprintln!("note: {left_out}");
     }
-    Ok(())
 }
 
 /// Draws of the velocity of pushes, which has no value in the scene.
-fn push_velocity(pushes: &Distribution) -> Result<Draws, Error> {
+pub fn push_velocity(pushes: &Distribution) -> Result<Draws, Error> {
     let refused = |why: String| Error::argument(format!("{pushes} of --pushes {why}"));
     if pushes.is_relative() {
         return Err(refused(
@@ -199,7 +226,7 @@ fn push_velocity(pushes: &Distribution) -> Result<Draws, Error> {
 }
 
 /// All work of the study; `None` if it was ended, or needs pieces of other workers.
-fn work(
+pub fn work(
     design: &Design<'_>,
     bands: Option<&[[f64; 2]]>,
     pushes: Option<&Pushes<'_>>,
@@ -297,7 +324,7 @@ fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArgument
         1 => "1 parameter scatters".to_owned(),
         count => format!("{count} parameters scatter"),
     };
-    say!("{}: {counted}; seed {}", scene.name, arguments.seed);
+    say!("{}: {counted}; seed {}", scene.name, arguments.scatter.seed);
     let widest = parameters.iter().map(|parameter| parameter.name().len()).max().unwrap_or(0);
     for parameter in parameters {
         say!(
@@ -349,7 +376,7 @@ fn print_indices(of: &str, parameters: &[Parameter], indices: Option<&[Index]>, 
 }
 
 fn print_runs(arguments: &RobustnessArguments, runs: &Squeals) {
-    let pushes = arguments.pushes.as_ref().map(ToString::to_string).unwrap_or_default();
+    let pushes = arguments.scatter.pushes.as_ref().map(ToString::to_string).unwrap_or_default();
     say!("\n{} runs after pushes of {pushes} m/s in random directions", runs.runs.len());
     for (count, end) in words::ends(runs) {
         say!("  {count:>6}  {end}");

@@ -1,0 +1,279 @@
+//! The answers at the start of the page: a few sentences, each with its numbers.
+
+use super::Report;
+use super::changes::Change;
+use super::sections::{self, sentence};
+use super::sliding::Found;
+use amontons_analysis::stability::Mode;
+use amontons_analysis::study::Kind;
+use amontons_analysis::study::loudness::{FoundMotion, Loudness, Measured};
+use amontons_cli::words::robustness as words;
+use amontons_cli::words::{at_frequency, four, significant};
+use amontons_export::documentation::counted;
+use amontons_pictures::picture::prefixed;
+use amontons_pictures::report::Answer;
+
+/// Growing modes that are named.
+const NAMED: usize = 4;
+/// Changes that are named.
+const MOST_CHANGES: usize = 3;
+
+pub fn answers(report: &Report<'_>) -> Vec<Answer> {
+    let answer = |question: &str, text: Vec<String>, section: &str| Answer {
+        question: question.to_owned(),
+        text,
+        section: section.to_owned(),
+    };
+    vec![
+        answer(sections::SQUEAL, squeal(report), sections::SQUEAL),
+        answer(sections::LOUD, loud(report), sections::LOUD),
+        answer(sections::PROBABLE, probable(report), sections::PROBABLE),
+        answer(sections::CHANGE, change(report), sections::CHANGE),
+    ]
+}
+
+fn squeal(report: &Report<'_>) -> Vec<String> {
+    let found = match &report.sliding.found {
+        Ok(found) => found,
+        Err(reason) => return vec![format!("Unknown: {reason}.")],
+    };
+    let growing = found.growing();
+    let mut said = if growing.is_empty() { quiet(report, found) } else { vec![grows(&growing)] };
+    if let Ok(over) = &report.sliding.over_friction {
+        let own = report.still.friction_coefficient;
+        let below = over.critical.iter().rev().find(|one| one.becomes_unstable && one.value <= own);
+        let above = over.critical.iter().find(|one| one.becomes_unstable && one.value > own);
+        let told = |value: f64| significant(value, 4);
+        said.push(match (growing.is_empty(), below, above) {
+            (false, Some(one), _) => format!(
+                "Growth begins at µ = {}; the scene has µ = {}.",
+                told(one.value),
+                told(own)
+            ),
+            (true, _, Some(one)) => format!(
+                "A mode begins to grow at µ = {} ({}); the scene has µ = {}.",
+                told(one.value),
+                at_frequency(one.frequency_hz),
+                told(own)
+            ),
+            (true, _, None) => format!("No mode begins to grow up to µ = {}.", told(over.end)),
+            (false, None, _) => "A mode grows for any smaller µ, too.".to_owned(),
+        });
+    }
+    said
+}
+
+fn grows(growing: &[(usize, &Mode)]) -> String {
+    let one = |(number, mode): &(usize, &Mode)| {
+        format!(
+            "mode {number} {}, by {} 1/s (tenfold in {})",
+            at_frequency(mode.frequency_hz()),
+            four(mode.growth_rate()),
+            prefixed(three(std::f64::consts::LN_10 / mode.growth_rate()), "s")
+        )
+    };
+    let named: Vec<String> = growing.iter().take(NAMED).map(one).collect();
+    let more = match growing.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!("; and {more} more"),
+    };
+    let count = counted(growing.len(), "mode grows", "modes grow");
+    format!("Yes. Uniform sliding is unstable: {count}, {}{more}.", named.join("; "))
+}
+
+/// The answer where no mode grows: a push may lead to a motion, or none was found.
+fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
+    let slowest = found.leading().map_or_else(String::new, |(number, mode)| {
+        format!(
+            "the least stable one, mode {number} {}, decays by {} 1/s",
+            at_frequency(mode.frequency_hz()),
+            four(-mode.growth_rate())
+        )
+    });
+    let stable = format!("Small motions die out: no mode of uniform sliding grows, and {slowest}.");
+    let Ok(loud) = &report.loudness else {
+        return vec![format!(
+            "Not by itself. {stable} It is unknown if a push starts a lasting motion."
+        )];
+    };
+    let loud = &loud.found;
+    let moving = loud.rows.iter().flat_map(|row| &row.attempts).filter(|attempt| {
+        attempt.motion.is_some_and(|motion| loud.motions[motion].ending.kind != Kind::Equilibrium)
+    });
+    let least = moving.map(|attempt| attempt.push).fold(f64::INFINITY, f64::min);
+    if least.is_finite() {
+        return vec![
+            format!("A push can make it squeal. {stable}"),
+            format!(
+                "A push of {} m/s along a candidate leads to a lasting motion; smaller pushes that were tried do not.",
+                four(least)
+            ),
+        ];
+    }
+    let unknown = loud.rows.iter().any(|row| row.attempts.iter().any(|one| one.motion.is_none()));
+    let tried = match (loud.rows.len(), unknown) {
+        (0, _) if loud.unexamined.is_some() => {
+            "Candidates for a second motion were not looked for, so it is unknown if a push starts one.".to_owned()
+        }
+        (0, _) => "No candidate for a second motion was found.".to_owned(),
+        (count, false) => format!(
+            "Pushes along {} came to rest, which does not exclude a lasting motion.",
+            counted(count, "candidate", "candidates")
+        ),
+        (_, true) => "Some motions after pushes had not settled, so it is unknown if they last.".to_owned(),
+    };
+    vec![format!("No squeal was found. {stable}"), tried]
+}
+
+fn loud(report: &Report<'_>) -> Vec<String> {
+    let found = match &report.loudness {
+        Ok(loud) => &loud.found,
+        Err(reason) => return vec![format!("Unknown: {reason}.")],
+    };
+    if found.rows.is_empty() {
+        return vec!["There is no motion whose loudness could be told.".to_owned()];
+    }
+    let Some((motion, measured)) = loudest(found) else {
+        let mut said: Vec<String> = found.findings.iter().map(|said| sentence(said)).collect();
+        said.truncate(MOST_CHANGES);
+        if said.is_empty() {
+            said.push("No motion that lasts was found.".to_owned());
+        }
+        return said;
+    };
+    let point = measured.loudest();
+    let at = motion.ending.frequency;
+    let at = at.map_or_else(String::new, |frequency| format!(" at {frequency:.2} Hz"));
+    let mut said = vec![format!(
+        "The motion is {}{at}. Its fastest point, {}, moves with {} m/s rms and {} m/s at most, and an amplitude of {}.",
+        motion.ending.kind.name(),
+        point.point,
+        four(point.rms),
+        four(point.peak),
+        prefixed(three(point.amplitude), "m")
+    )];
+    if let Some(power) = &measured.power {
+        said.push(format!("Friction feeds {} W into it.", four(power.friction)));
+    }
+    let others = found.motions.iter().filter(|motion| motion.measured.is_some()).count() - 1;
+    if others > 0 {
+        said.push(format!(
+            "{} besides {} quieter.",
+            counted(others, "motion", "motions"),
+            if others == 1 { "is" } else { "are" }
+        ));
+    }
+    let of_modes = || report.sliding.found.as_ref().ok().map(Found::growing);
+    if let (true, Some(nearest), Some(growing)) = (found.grows, &motion.nearest, of_modes())
+        && !growing.iter().any(|(number, _)| nearest.modes.contains(number))
+    {
+        said.push(format!(
+            "This is near mode {} ({:.2} Hz), which decays in uniform sliding, and not near a growing mode.",
+            nearest.numbers(),
+            nearest.frequency
+        ));
+    }
+    said
+}
+
+/// The loudest motion that was measured.
+pub fn loudest(found: &Loudness) -> Option<(&FoundMotion, &Measured)> {
+    let measured = found.motions.iter().filter_map(|one| Some((one, one.measured.as_ref()?)));
+    measured.max_by(|a, b| a.1.loudest().rms.total_cmp(&b.1.loudest().rms))
+}
+
+fn probable(report: &Report<'_>) -> Vec<String> {
+    let mut said = Vec::new();
+    let scatter = match (report.assumptions.is_assumed, report.parameters.len()) {
+        (true, 1) => "If friction scatters by ±10 % (an assumption)".to_owned(),
+        (true, count) if report.assumptions.is_friction_alone => {
+            format!("If {count} friction coefficients scatter by ±10 % (an assumption)")
+        }
+        (true, _) => {
+            "If friction scatters by ±10 %, and each mass and stiffness by ±5 % (assumptions)"
+                .to_owned()
+        }
+        (false, count) => {
+            format!("With the scatter given for {}", counted(count, "parameter", "parameters"))
+        }
+    };
+    if let Some(found) = &report.robustness.eigenvalues {
+        let [value, low, high] = [found.unstable.value, found.unstable.low, found.unstable.high]
+            .map(|part| 100.0 * part);
+        said.push(format!(
+            "{scatter}, uniform sliding is unstable with a probability of {value:.1} % (95 % interval {low:.1} to {high:.1} %)."
+        ));
+        if found.no_equilibrium.value > 0.0 {
+            said.push(format!(
+                "{:.1} % of the draws have no equilibrium in sliding.",
+                100.0 * found.no_equilibrium.value
+            ));
+        }
+        let indices = found.of_growth.iter().flatten();
+        let largest = report.parameters.iter().zip(indices);
+        let largest = largest.max_by(|a, b| a.1.total.value.total_cmp(&b.1.total.value));
+        if let Some((parameter, index)) = largest {
+            said.push(format!(
+                "The scatter of {} matters most: without it the variance of the growth rate would be smaller by {:.0} %.",
+                parameter.name(),
+                100.0 * index.first.value.max(0.0)
+            ));
+        }
+    }
+    if let Some(runs) = &report.robustness.runs {
+        let pushes = report.arguments.scatter.pushes.as_ref();
+        said.push(format!(
+            "After a push of {} m/s it squeals with a probability of {}.",
+            pushes.map(ToString::to_string).unwrap_or_default(),
+            words::squeal(runs)
+        ));
+    }
+    if said.is_empty() {
+        said.push("Unknown: no parameter scatters.".to_owned());
+    }
+    said
+}
+
+fn change(report: &Report<'_>) -> Vec<String> {
+    let found = match &report.sliding.found {
+        Ok(found) => found,
+        Err(reason) => return vec![format!("Unknown: {reason}.")],
+    };
+    let large = |change: &&Change| change.is_large() && change.parameters.len() == 1;
+    let mut single: Vec<&Change> = found.changes.iter().filter(large).collect();
+    let rate = |change: &Change| change.computed.unwrap_or(f64::INFINITY);
+    single.sort_by(|a, b| rate(a).total_cmp(&rate(b)));
+    let Some((_, leading)) = found.leading().filter(|_| !single.is_empty()) else {
+        return vec!["Unknown: effects of parameters were not found.".to_owned()];
+    };
+    let now = four(leading.growth_rate());
+    let one = |change: &&Change| {
+        let result = if change.growing == 0 { "no mode grows" } else { "a mode still grows" };
+        let rate = change.computed.map_or_else(
+            || "no equilibrium".to_owned(),
+            |rate| format!("{} 1/s, {result}", four(rate)),
+        );
+        format!("{}: {rate}", change.name())
+    };
+    let told: Vec<String> = single.iter().take(MOST_CHANGES).map(one).collect();
+    let what = if found.growing().is_empty() {
+        format!(
+            "Nothing needs to change for uniform sliding to be stable ({now} 1/s). It becomes more stable most by"
+        )
+    } else {
+        format!(
+            "The largest growth rate is {now} 1/s. The most effective changes of one parameter, computed anew, are"
+        )
+    };
+    let mut said = vec![format!("{what} {}.", told.join("; "))];
+    let together = found.changes.iter().find(|one| one.is_large() && one.parameters.len() > 1);
+    if let Some(change) = together {
+        said.push(format!("All of these at once: {}.", one(&change)));
+    }
+    said
+}
+
+/// A value to three digits.
+fn three(value: f64) -> f64 {
+    amontons::decimal::to_significant(value, 3)
+}

@@ -1,0 +1,72 @@
+//! The scene: its drawing, its values, and the effects that it does not have.
+
+use super::super::Report;
+use super::{figure, table};
+use amontons::scene::Scene;
+use amontons::simulation::Parameters;
+use amontons::simulation::catalogue::Kind;
+use amontons_analysis::effects::effects;
+use amontons_export::documentation::contents;
+use amontons_pictures::picture::Structure;
+use amontons_pictures::report::{Cell, Content, Section};
+
+/// Values that are told.
+const MOST_VALUES: usize = 40;
+/// What a run writes down besides motion is no effect on the motion.
+const LEDGERS: [&str; 2] = ["energy", "stability"];
+
+pub fn section(report: &Report<'_>) -> Section {
+    let scene = report.scene;
+    let mut section =
+        Section { heading: "The scene".to_owned(), text: contents(scene), ..Section::default() };
+    let structure = Structure::from(scene);
+    if structure.masses.len() <= Structure::MOST_MASSES {
+        section.figures.push(figure(
+            "Masses, springs, dampers and contacts. The drawing is not to scale.",
+            Content::Structure(structure),
+        ));
+    } else {
+        let most = Structure::MOST_MASSES;
+        section.text.push(format!("There is no drawing: it would show more than {most} masses."));
+    }
+    let values = values(scene);
+    let count = values.len();
+    let shown: Vec<Vec<Cell>> = values.into_iter().take(MOST_VALUES).collect();
+    let caption = match count {
+        0..=MOST_VALUES => {
+            "Values of the scene; forces and preloads of zero are left out".to_owned()
+        }
+        _ => format!("The first {MOST_VALUES} of {count} values of the scene"),
+    };
+    section.tables.push(table(caption, &["Name", "Value"], shown));
+    let missing = effects(scene).into_iter().filter(|it| !it.is_on && !LEDGERS.contains(&it.name));
+    let missing: Vec<String> =
+        missing.map(|effect| format!("{} ({})", effect.name, effect.equation)).collect();
+    section.points.push(format!("Effects that the scene does not use: {}.", missing.join("; ")));
+    section.points.push(
+        "The model has masses, linear springs and dampers, and rigid contacts with friction. Wear, heat, and friction that changes \
+         with temperature or time are not part of it."
+            .to_owned(),
+    );
+    section
+}
+
+/// Parameters and inputs with their values; initial values do not count, and neither do forces and preloads of zero.
+fn values(scene: &Scene) -> Vec<Vec<Cell>> {
+    let parameters = Parameters::of(scene.clone());
+    let is_told = |name: &str, value: f64| {
+        let last = name.rsplit('.').next().unwrap_or(name);
+        let is_load = last.starts_with('f') || last == "preload";
+        !name.starts_with("initial.") && (value != 0.0 || !is_load)
+    };
+    let row = |(name, value, unit): (String, f64, &str)| {
+        vec![Cell::from(name), Cell::from(format!("{value} {unit}").trim_end().to_owned())]
+    };
+    let real = parameters.iter().filter_map(|(variable, value)| match variable.template.kind {
+        Kind::Real { unit, .. } => {
+            Some((variable.name.clone(), value, if unit == "1" { "" } else { unit }))
+        }
+        _ => None,
+    });
+    real.filter(|(name, value, _)| is_told(name, *value)).map(row).collect()
+}
