@@ -2,7 +2,9 @@
 
 use super::four;
 use amontons_analysis::study::Kind;
-use amontons_analysis::study::loudness::{FoundMotion, Loudness, Measured, Row, Unexamined, Ways};
+use amontons_analysis::study::loudness::{
+    FoundMotion, Loudness, Measured, PointMotion, Row, Unexamined, Ways,
+};
 use amontons_export::documentation::counted;
 
 /// Names of the columns of the table.
@@ -123,10 +125,19 @@ pub fn motion_title(place: usize, motion: &FoundMotion, found: &Loudness) -> Str
 
 /// Lines on what was measured of a motion: its nearest mode, contact states, points and powers.
 #[must_use]
-pub fn motion_lines(FoundMotion { measured, nearest, .. }: &FoundMotion) -> Vec<String> {
-    let Some(measured) = measured else { return Vec::new() };
+pub fn motion_lines(motion: &FoundMotion) -> Vec<String> {
+    let Some(measured) = &motion.measured else { return Vec::new() };
+    let mut lines = state_lines(motion, measured);
+    lines.extend(measured.points.iter().map(point));
+    lines.extend(power_lines(measured));
+    lines
+}
+
+/// Lines on the nearest mode of a motion, and on the states that its contacts take.
+#[must_use]
+pub fn state_lines(motion: &FoundMotion, measured: &Measured) -> Vec<String> {
     let mut lines = Vec::new();
-    if let Some(nearest) = nearest {
+    if let Some(nearest) = &motion.nearest {
         lines.push(format!(
             "its frequency is nearest to that of mode {} ({:.2} Hz), which has {:.0} % of the kinetic energies of all modes",
             nearest.numbers(),
@@ -137,42 +148,69 @@ pub fn motion_lines(FoundMotion { measured, nearest, .. }: &FoundMotion) -> Vec<
     let states = measured.states.iter();
     let states = states.map(|taken| format!("{} {:.1} %", taken.states, 100.0 * taken.share));
     lines.push(format!("contact states: {}", states.collect::<Vec<_>>().join(", ")));
-    for point in &measured.points {
-        let normal = point.normal_rms.zip(point.normal_peak);
-        let normal = normal.map_or_else(String::new, |(rms, peak)| {
-            format!("; along the normal {} and {} m/s", four(rms), four(peak))
-        });
-        lines.push(format!(
-            "{}: amplitude {} m, speed {} m/s rms and {} m/s at most{normal}",
-            point.point,
-            four(point.amplitude),
-            four(point.rms),
-            four(point.peak)
-        ));
-    }
-    let over = if measured.is_period { "one period" } else { "a window; the motion has no period" };
-    lines.push(format!(
-        "measured over {} s, {over}; rms to {:.0e} of itself",
-        four(measured.span),
-        measured.rms_error.max(1e-15)
-    ));
-    lines.extend(powers(measured));
     lines
 }
 
-fn powers(measured: &Measured) -> Vec<String> {
+/// Names of the columns of a table of points.
+pub const POINT_HEAD: [&str; 6] = [
+    "Point",
+    "Amplitude [m]",
+    "Speed, rms [m/s]",
+    "Speed, at most [m/s]",
+    "Along the normal, rms [m/s]",
+    "Along the normal, at most [m/s]",
+];
+
+/// The cells of a point under [`POINT_HEAD`].
+#[must_use]
+pub fn point_cells(point: &PointMotion) -> [String; 6] {
+    let normal = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), four);
+    [
+        point.point.clone(),
+        four(point.amplitude),
+        four(point.rms),
+        four(point.peak),
+        normal(point.normal_rms),
+        normal(point.normal_peak),
+    ]
+}
+
+fn point(point: &PointMotion) -> String {
+    let normal = point.normal_rms.zip(point.normal_peak);
+    let normal = normal.map_or_else(String::new, |(rms, peak)| {
+        format!("; along the normal {} and {} m/s", four(rms), four(peak))
+    });
+    format!(
+        "{}: amplitude {} m, speed {} m/s rms and {} m/s at most{normal}",
+        point.point,
+        four(point.amplitude),
+        four(point.rms),
+        four(point.peak)
+    )
+}
+
+/// Lines on the time over which a motion was measured, and on powers.
+#[must_use]
+pub fn power_lines(measured: &Measured) -> Vec<String> {
+    let over = if measured.is_period { "one period" } else { "a window; the motion has no period" };
+    let mut lines = vec![format!(
+        "measured over {} s, {over}; rms to {:.0e} of itself",
+        four(measured.span),
+        measured.rms_error.max(1e-15)
+    )];
     let Some(power) = &measured.power else {
-        return vec![
+        lines.push(
             "powers are unknown: a structure with circulatory forces has no energy ledger"
                 .to_owned(),
-        ];
+        );
+        return lines;
     };
     let contacts = power.contacts.iter().map(|one| {
         let energy =
             one.energy.map_or_else(String::new, |energy| format!(", {} J a cycle", four(energy)));
         format!("{}: friction feeds in {} W{energy}", one.contact, four(one.power))
     });
-    let mut lines: Vec<String> = contacts.collect();
+    lines.extend(contacts);
     lines.push(format!(
         "all contacts {} W; dampers take {} W, impacts {} W",
         four(power.friction),

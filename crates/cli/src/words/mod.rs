@@ -15,6 +15,12 @@ pub use amontons_pictures::picture::significant;
 use amontons::decimal::to_significant;
 use amontons::error::Short;
 
+/// A number to some digits, without zeros at its end.
+#[must_use]
+pub fn digits(value: f64, count: usize) -> String {
+    Short(to_significant(value, count)).to_string()
+}
+
 /// A number to four digits.
 #[must_use]
 pub fn four(value: f64) -> String {

@@ -122,6 +122,10 @@ fn section(
     [claims, figures, tables]: [&mut usize; 3],
 ) -> Result<(), Error> {
     paragraphs(html, &section.text);
+    for one in &section.key_tables {
+        *tables += 1;
+        table(html, one, *tables)?;
+    }
     if !section.claims.is_empty() {
         claim_table(html, &section.heading, &section.claims, *claims);
         *claims += section.claims.len();

@@ -48,13 +48,15 @@ pub struct Answer {
     pub section: String,
 }
 
-/// A part of a report with a heading. Its text comes first, then claims, figures, tables, points and commands.
+/// A part of a report with a heading. Its text comes first, then key tables, claims, figures, tables, points and commands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Section {
     /// Heading of the section, also in the table of contents.
     pub heading: String,
     /// Paragraphs.
     pub text: Vec<String>,
+    /// Tables that stand before the figures.
+    pub key_tables: Vec<Table>,
     /// Numbered through all sections.
     pub claims: Vec<Claim>,
     /// The figures in order.

@@ -4,17 +4,21 @@ use super::Report;
 use super::changes::Change;
 use super::sections::{self, sentence};
 use super::sliding::Found;
+use amontons_analysis::robustness::Estimate;
 use amontons_analysis::stability::Mode;
 use amontons_analysis::study::Kind;
 use amontons_analysis::study::loudness::{FoundMotion, Loudness, Measured};
 use amontons_cli::words::robustness as words;
-use amontons_cli::words::{at_frequency, four, significant};
+use amontons_cli::words::sensitivity::{critical_effects, signed};
+use amontons_cli::words::{at_frequency, digits, four};
 use amontons_export::documentation::counted;
 use amontons_pictures::picture::prefixed;
 use amontons_pictures::report::Answer;
 
 /// Growing modes that are named.
 const NAMED: usize = 4;
+/// A growth rate below this part of an eigenvalue is zero but for rounding.
+const ROUNDING: f64 = 1e-9;
 /// Changes that are named.
 const MOST_CHANGES: usize = 3;
 
@@ -43,7 +47,7 @@ fn squeal(report: &Report<'_>) -> Vec<String> {
         let own = report.still.friction_coefficient;
         let below = over.critical.iter().rev().find(|one| one.becomes_unstable && one.value <= own);
         let above = over.critical.iter().find(|one| one.becomes_unstable && one.value > own);
-        let told = |value: f64| significant(value, 4);
+        let told = |value: f64| digits(value, 4);
         said.push(match (growing.is_empty(), below, above) {
             (false, Some(one), _) => format!(
                 "Growth begins at µ = {}; the scene has µ = {}.",
@@ -84,13 +88,16 @@ fn grows(growing: &[(usize, &Mode)]) -> String {
 /// The answer where no mode grows: a push may lead to a motion, or none was found.
 fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
     let slowest = found.leading().map_or_else(String::new, |(number, mode)| {
-        format!(
-            "the least stable one, mode {number} {}, decays by {} 1/s",
-            at_frequency(mode.frequency_hz()),
-            four(-mode.growth_rate())
-        )
+        let at = at_frequency(mode.frequency_hz());
+        let rate = -mode.growth_rate();
+        // Damping that rounding alone makes is none.
+        if rate <= ROUNDING * mode.eigenvalue.norm() {
+            format!("the least stable one, mode {number} {at}, neither grows nor decays, since nothing damps it")
+        } else {
+            format!("the least stable one, mode {number} {at}, decays by {} 1/s", four(rate))
+        }
     });
-    let stable = format!("Small motions die out: no mode of uniform sliding grows, and {slowest}.");
+    let stable = format!("No mode of uniform sliding grows; {slowest}.");
     let Ok(loud) = &report.loudness else {
         return vec![format!(
             "Not by itself. {stable} It is unknown if a push starts a lasting motion."
@@ -105,7 +112,7 @@ fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
         return vec![
             format!("A push can make it squeal. {stable}"),
             format!(
-                "A push of {} m/s along a candidate leads to a lasting motion; smaller pushes that were tried do not.",
+                "The smallest push along a candidate that led to a lasting motion has {} m/s.",
                 four(least)
             ),
         ];
@@ -198,11 +205,16 @@ fn probable(report: &Report<'_>) -> Vec<String> {
         }
     };
     if let Some(found) = &report.robustness.eigenvalues {
-        let [value, low, high] = [found.unstable.value, found.unstable.low, found.unstable.high]
-            .map(|part| 100.0 * part);
-        said.push(format!(
-            "{scatter}, uniform sliding is unstable with a probability of {value:.1} % (95 % interval {low:.1} to {high:.1} %)."
-        ));
+        let Estimate { value, low, high } = found.unstable;
+        let [value, low, high] = [value, low, high].map(|part| 100.0 * part);
+        let probability = if value == 0.0 {
+            format!("in none of {} draws (95 % interval up to {high:.4} %)", found.draws)
+        } else if value == 100.0 {
+            format!("in all of {} draws (95 % interval from {low:.4} %)", found.draws)
+        } else {
+            format!("with a probability of {value:.1} % (95 % interval {low:.1} to {high:.1} %)")
+        };
+        said.push(format!("{scatter}, uniform sliding is unstable {probability}."));
         if found.no_equilibrium.value > 0.0 {
             said.push(format!(
                 "{:.1} % of the draws have no equilibrium in sliding.",
@@ -211,12 +223,12 @@ fn probable(report: &Report<'_>) -> Vec<String> {
         }
         let indices = found.of_growth.iter().flatten();
         let largest = report.parameters.iter().zip(indices);
-        let largest = largest.max_by(|a, b| a.1.total.value.total_cmp(&b.1.total.value));
-        if let Some((parameter, index)) = largest {
+        let largest = largest.max_by(|a, b| a.1.first.value.total_cmp(&b.1.first.value));
+        if let Some((parameter, index)) = largest.filter(|one| one.1.first.value > 0.0) {
             said.push(format!(
-                "The scatter of {} matters most: without it the variance of the growth rate would be smaller by {:.0} %.",
+                "The scatter of {} matters most: if its value were known, the variance of the growth rate would be smaller by {:.0} %.",
                 parameter.name(),
-                100.0 * index.first.value.max(0.0)
+                100.0 * index.first.value
             ));
         }
     }
@@ -243,34 +255,59 @@ fn change(report: &Report<'_>) -> Vec<String> {
     let mut single: Vec<&Change> = found.changes.iter().filter(large).collect();
     let rate = |change: &Change| change.computed.unwrap_or(f64::INFINITY);
     single.sort_by(|a, b| rate(a).total_cmp(&rate(b)));
-    let Some((_, leading)) = found.leading().filter(|_| !single.is_empty()) else {
-        return vec!["Unknown: effects of parameters were not found.".to_owned()];
+    let Some((_, leading)) = found.leading() else {
+        return vec!["Unknown: uniform sliding has no mode.".to_owned()];
     };
+    if single.is_empty() {
+        return vec![match &found.sensitivities {
+            Ok(_) => "No change of a single parameter moves the growth rate of the leading mode."
+                .to_owned(),
+            Err(reason) => format!("Unknown: {reason}."),
+        }];
+    }
     let now = four(leading.growth_rate());
-    let one = |change: &&Change| {
-        let result = if change.growing == 0 { "no mode grows" } else { "a mode still grows" };
-        let rate = change.computed.map_or_else(
-            || "no equilibrium".to_owned(),
-            |rate| format!("{} 1/s, {result}", four(rate)),
-        );
-        format!("{}: {rate}", change.name())
+    let result = |change: &Change| match change.computed {
+        None => "there is no equilibrium".to_owned(),
+        Some(rate) => {
+            let grows = if change.growing == 0 { "no mode grows" } else { "a mode still grows" };
+            format!("{} 1/s, {grows}", four(rate))
+        }
     };
-    let told: Vec<String> = single.iter().take(MOST_CHANGES).map(one).collect();
-    let what = if found.growing().is_empty() {
-        format!(
-            "Nothing needs to change for uniform sliding to be stable ({now} 1/s). It becomes more stable most by"
-        )
+    let is_stable = found.growing().is_empty();
+    let mut said = Vec::new();
+    if is_stable {
+        said.push(format!(
+            "Nothing needs to change for uniform sliding to be stable: the largest growth rate is {now} 1/s."
+        ));
+        said.extend(margin(report));
+        said.push("It falls most, computed anew, with".to_owned());
     } else {
-        format!(
-            "The largest growth rate is {now} 1/s. The most effective changes of one parameter, computed anew, are"
-        )
-    };
-    let mut said = vec![format!("{what} {}.", told.join("; "))];
+        said.push(format!(
+            "The largest growth rate is {now} 1/s. These changes of one parameter lower it most, computed anew:"
+        ));
+    }
+    let one = |change: &&Change| format!("{}: {}", change.name(), result(change));
+    said.extend(single.iter().take(MOST_CHANGES).map(one));
     let together = found.changes.iter().find(|one| one.is_large() && one.parameters.len() > 1);
     if let Some(change) = together {
-        said.push(format!("All of these at once: {}.", one(&change)));
+        said.push(format!("All at once, {}: {}.", change.name(), result(change)));
     }
     said
+}
+
+/// The parameter that moves the next critical µ most.
+fn margin(report: &Report<'_>) -> Option<String> {
+    let over = report.sliding.over_friction.as_ref().ok()?;
+    let own = report.still.friction_coefficient;
+    let next = over.critical.iter().find(|one| one.becomes_unstable && one.value > own)?;
+    let effects = critical_effects(next);
+    let most = effects.first()?;
+    Some(format!(
+        "The critical µ of {} moves most with {}: by {} for +1 %.",
+        digits(next.value, 4),
+        most.parameter.name,
+        signed(most.largest()[0])
+    ))
 }
 
 /// A value to three digits.

@@ -28,7 +28,7 @@ const KINDS: [&str; 10] = [
 ];
 /// Work of the draws: the number of eigenvalue problems by the third power of their size. More takes longer than about half
 /// a minute on two cores.
-const WORK: f64 = 1e10;
+const WORK: f64 = 5e8;
 /// Bounds of the number of points in a scrambling.
 const POINTS: [u64; 2] = [64, 1024];
 
@@ -131,17 +131,39 @@ fn distribution(text: &str) -> Result<Distribution, Error> {
     Distribution::parse(text).map_err(Error::argument)
 }
 
-/// The number of points in each scrambling, a power of two: fewer for many parameters and large models.
+/// The draws that are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// The number of points in each scrambling, a power of two.
+    pub points: u64,
+    /// `true` if the points are evaluated that Sobol indices need: one, and one more for each parameter.
+    pub has_indices: bool,
+}
+
+impl Plan {
+    /// What is asked for, or what a scene can have in short time: fewer points for many parameters and large models, and no
+    /// indices where these would leave too few points.
+    pub fn of(scene: &Scene, parameters: usize, given: Option<u64>) -> Self {
+        if let Some(points) = given {
+            return Self { points, has_indices: true };
+        }
+        let of_indices = parameters + 2;
+        match (affordable(scene, of_indices), affordable(scene, 1)) {
+            (Some(points), _) => Self { points, has_indices: true },
+            (None, points) => Self { points: points.unwrap_or(POINTS[0]), has_indices: false },
+        }
+    }
+}
+
+/// The largest number of points with this number of evaluations each, if it is not too small.
 #[allow(clippy::cast_precision_loss)]
-pub fn points(scene: &Scene, parameters: usize) -> u64 {
-    let [fewest, mut points] = POINTS;
+fn affordable(scene: &Scene, evaluations: usize) -> Option<u64> {
+    let [fewest, most] = POINTS;
     let size = LumpedModel::from(scene).dofs() as f64;
     let work =
-        |points: u64| (FEWEST_SCRAMBLINGS * points) as f64 * (parameters + 2) as f64 * size.powi(3);
-    while points > fewest && work(points) > WORK {
-        points /= 2;
-    }
-    points
+        |points: u64| (FEWEST_SCRAMBLINGS * points) as f64 * evaluations as f64 * size.powi(3);
+    let halves = std::iter::successors(Some(most), |points| Some(points / 2));
+    halves.take_while(|points| *points >= fewest).find(|points| work(*points) <= WORK)
 }
 
 #[cfg(test)]
@@ -190,7 +212,15 @@ mod tests {
         scene.modules_mut().resize(20, module);
         let assumed = Assumptions::of(&scene, &[]).unwrap();
         assert!(assumed.is_friction_alone && assumed.uncertain.len() == 1);
-        assert!(points(&scene, 1) < POINTS[1]);
-        assert_eq!(points(&builtin("set1").unwrap().scene(), 15), POINTS[1]);
+    }
+
+    #[test]
+    fn large_scenes_have_fewer_draws_and_then_no_indices() {
+        let small = builtin("set1").unwrap().scene();
+        assert_eq!(Plan::of(&small, 15, None), Plan { points: POINTS[1], has_indices: true });
+        let ring = builtin("ring12").unwrap().scene();
+        let plan = Plan::of(&ring, 97, None);
+        assert!(!plan.has_indices && (POINTS[0]..POINTS[1]).contains(&plan.points), "{plan:?}");
+        assert_eq!(Plan::of(&ring, 97, Some(16)), Plan { points: 16, has_indices: true });
     }
 }

@@ -35,7 +35,7 @@ use amontons_analysis::study::{Journal, ObservationSettings, Push, Watch};
 use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
 use amontons_pictures::report::{self, Page};
-use assumptions::Assumptions;
+use assumptions::{Assumptions, Plan};
 use clap::Args;
 use serde_json::json;
 use sliding::Sliding;
@@ -51,8 +51,8 @@ pub struct ReportArguments {
     pub shared: ShardArguments,
     #[command(flatten)]
     pub scatter: Scatter,
-    /// Number of draws in each of 16 scramblings, a power of two; more make intervals narrower [default: 1024, or fewer for a
-    /// large scene]
+    /// Number of draws in each of 16 scramblings, a power of two; more make intervals narrower [default: 1024, or for a large
+    /// scene fewer, and then perhaps without Sobol indices]
     #[arg(long, value_name = "N")]
     pub points: Option<u64>,
     #[command(flatten)]
@@ -69,7 +69,7 @@ struct Report<'a> {
     observation: &'a ObservationSettings,
     assumptions: &'a Assumptions,
     parameters: &'a [Parameter],
-    points: u64,
+    plan: Plan,
     sliding: Sliding,
     loudness: Result<Loud, String>,
     robustness: robustness::Found,
@@ -128,8 +128,8 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
     Linearised::of(&still).uniform_sliding()?;
     let assumptions = Assumptions::of(&scene, &scatter.uncertain)?;
     let parameters = parameters(&scene, &assumptions.uncertain)?;
-    let points = arguments.points.unwrap_or_else(|| assumptions::points(&still, parameters.len()));
-    check_size(FEWEST_SCRAMBLINGS, points)?;
+    let plan = Plan::of(&still, parameters.len(), arguments.points);
+    check_size(FEWEST_SCRAMBLINGS, plan.points)?;
     robustness::tell_notes(common, &scene, &parameters);
     let velocity = scatter.pushes.as_ref().map(robustness::push_velocity).transpose()?;
     let motions = Motions::of(&scene);
@@ -139,6 +139,7 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
         "push": motions.as_ref().ok().map(|motions| motions.question.push),
         "uncertain": described,
         "seed": scatter.seed,
+        "indices": plan.has_indices,
         "pushes": scatter.described(options),
     });
     let mut folder = Folder::open_shared(common, *shared, "report", (&scene, &source), settings)?;
@@ -147,9 +148,9 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
         parameters: &parameters,
         state: None,
         scramblings: FEWEST_SCRAMBLINGS,
-        points,
+        points: plan.points,
         seed: scatter.seed,
-        has_indices: true,
+        has_indices: plan.has_indices,
     };
     let prepare = |scene: &mut Scene| prepared_again(scene, common, options);
     let pushes = velocity.as_ref().map(|velocity| Pushes {
@@ -187,7 +188,7 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
         observation: &observation,
         assumptions: &assumptions,
         parameters: &parameters,
-        points,
+        plan,
         sliding: Sliding::of(&still)?,
         loudness,
         robustness,
@@ -234,7 +235,7 @@ impl Report<'_> {
             "sliding": self.sliding.as_json(),
             "loudness": loudness,
             "loudness_unknown": unknown,
-            "points": self.points,
+            "points": self.plan.points,
             "robustness": self.robustness.eigenvalues,
             "runs": self.robustness.runs,
         })

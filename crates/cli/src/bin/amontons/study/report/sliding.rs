@@ -3,6 +3,7 @@
 use super::changes::{Change, changes};
 use amontons::Error;
 use amontons::contact::ContactState;
+use amontons::decimal::to_significant;
 use amontons::scene::Scene;
 use amontons_analysis::assign::{FRICTION, assign};
 use amontons_analysis::patterns::in_words;
@@ -151,7 +152,8 @@ fn over_friction(scene: &Scene, states: &[ContactState]) -> Result<OverFriction,
         ));
     }
     let own = scene.friction_coefficient;
-    let last = if own == 0.0 { 1.0 } else { BEYOND * own };
+    // A round number is one that a command line can have.
+    let last = if own == 0.0 { 1.0 } else { to_significant(BEYOND * own, 12) };
     let with = |value: f64| {
         let mut scene = scene.clone();
         assign(&mut scene, FRICTION, value)?;

@@ -9,7 +9,7 @@ use amontons_cli::words::sensitivity::{
     Effect, bars, by_growth, critical_effects, mode_effects, place, signed, value,
     without_derivatives,
 };
-use amontons_cli::words::{at_frequency, four, significant};
+use amontons_cli::words::{at_frequency, digits, four};
 use amontons_pictures::report::{Content, Section, Table};
 
 pub const HEADING: &str = "What to change?";
@@ -46,9 +46,10 @@ pub fn section(report: &Report<'_>) -> Section {
         return section;
     }
     if !found.changes.is_empty() {
-        section.tables.push(computed(&found.changes));
+        section.key_tables.push(computed(&found.changes));
     }
-    let caption = "The most effective parameters: what +1 % of each changes. A bar to the left lowers the growth rate, or the critical µ.";
+    let caption = "The most effective parameters: what +1 % of each changes. Bars to the left lower a growth rate, which is better; \
+                   bars to the right raise a critical µ, which is better.";
     section.figures.push(figure(caption, Content::Bars(drawn)));
     for mode in modes.into_iter().take(MOST_MODES) {
         section.tables.extend(of_mode(sensitivities, mode));
@@ -90,7 +91,7 @@ fn notes(mode: &ModeSensitivity) -> Option<String> {
     (mode.holds_within < 0.05).then(|| {
         format!(
             "{hz} is near another one: its derivatives may hold only for changes below {} of a parameter.",
-            significant(mode.holds_within, 2)
+            digits(mode.holds_within, 2)
         )
     })
 }
@@ -167,7 +168,7 @@ fn of_critical(critical: &CriticalFriction) -> Option<Table> {
     let turn = if critical.becomes_unstable { "begins" } else { "ceases" };
     let caption = format!(
         "Critical µ = {}, where a mode {turn} to grow {}: changes of this µ for +1 % of each parameter",
-        significant(critical.value, 6),
+        digits(critical.value, 6),
         at_frequency(critical.frequency_hz)
     );
     (!rows.is_empty()).then(|| table(caption, &["Parameter", "Value", "Change of µ"], rows))

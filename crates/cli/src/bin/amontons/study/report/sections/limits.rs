@@ -18,8 +18,8 @@ pub fn section(report: &Report<'_>) -> Section {
 fn points(report: &Report<'_>) -> Vec<String> {
     let mut points = vec![
         "Eigenvalues are those of small motions about uniform sliding. They say nothing of large ones.".to_owned(),
-        "A motion that no growing mode and no candidate leads to is not found; stick-slip needs neither. `amontons study \
-         continuation` looks for motions over µ, `amontons study perturbation` after pushes of all sizes."
+        "A motion that no growing mode and no candidate leads to is not found; stick-slip needs neither. The command \
+         amontons study continuation looks for motions over µ, amontons study perturbation after pushes of all sizes."
             .to_owned(),
     ];
     if let Ok(loud) = &report.loudness {
@@ -94,9 +94,10 @@ fn commands(report: &Report<'_>) -> Vec<String> {
             format!(" --pushes '{pushes}' --runs {}{look}", scatter.runs)
         });
         all.push(format!(
-            "amontons study robustness {scene}{} --points {} --seed {}{pushes}",
+            "amontons study robustness {scene}{} --points {}{} --seed {}{pushes}",
             report.assumptions.options(),
-            report.points,
+            report.plan.points,
+            if report.plan.has_indices { "" } else { " --no-indices" },
             scatter.seed
         ));
     }

@@ -28,7 +28,7 @@ pub fn section(report: &Report<'_>) -> Section {
         );
     }
     if !report.parameters.is_empty() {
-        section.tables.push(scatter(report));
+        section.key_tables.push(scatter(report));
     }
     if let Some(found) = &report.robustness.eigenvalues {
         section.text.push(format!(
@@ -40,7 +40,7 @@ pub fn section(report: &Report<'_>) -> Section {
                 .map(|value| format!("{:.4} %", 100.0 * value));
             vec![name.into(), value.into(), format!("{low} to {high}").into()]
         });
-        section.tables.push(table(
+        section.key_tables.push(table(
             "Probabilities with intervals of 95 %",
             &["", "Probability", "95 % interval"],
             rows.collect(),
@@ -55,22 +55,29 @@ pub fn section(report: &Report<'_>) -> Section {
                            together with others.";
             section.figures.push(figure(caption, Content::Chart(chart)));
         }
-        let why = words::growth_without_indices(found);
-        add_indices(
-            &mut section,
-            "the largest growth rate",
-            report.parameters,
-            found.of_growth.as_deref(),
-            why,
-        );
-        let why = words::INSTABILITY_WITHOUT_INDICES;
-        add_indices(
-            &mut section,
-            "instability",
-            report.parameters,
-            found.of_instability.as_deref(),
-            why,
-        );
+        if report.plan.has_indices {
+            let why = words::growth_without_indices(found);
+            add_indices(
+                &mut section,
+                "the largest growth rate",
+                report.parameters,
+                found.of_growth.as_deref(),
+                why,
+            );
+            let why = words::INSTABILITY_WITHOUT_INDICES;
+            add_indices(
+                &mut section,
+                "instability",
+                report.parameters,
+                found.of_instability.as_deref(),
+                why,
+            );
+        } else {
+            section.text.push(
+                "Sobol indices, which tell whose scatter matters, were left out: for this scene they take long. --points 64 computes them."
+                    .to_owned(),
+            );
+        }
     }
     if let Some(runs) = &report.robustness.runs {
         let pushes = report.arguments.scatter.pushes.as_ref();
@@ -82,7 +89,7 @@ pub fn section(report: &Report<'_>) -> Section {
         ));
         let rows = words::ends(runs).into_iter();
         let rows = rows.map(|(count, end)| vec![Cell::from(end), Cell::from(count.to_string())]);
-        section.tables.push(table(
+        section.key_tables.push(table(
             "Ends of the runs after pushes",
             &["End", "Runs"],
             rows.collect(),

@@ -7,7 +7,7 @@ use amontons::simulation::Parameters;
 use amontons::simulation::catalogue::Kind;
 use amontons_analysis::effects::effects;
 use amontons_export::documentation::contents;
-use amontons_pictures::picture::Structure;
+use amontons_pictures::picture::{Structure, prefixed};
 use amontons_pictures::report::{Cell, Content, Section};
 
 /// Values that are told.
@@ -51,16 +51,23 @@ pub fn section(report: &Report<'_>) -> Section {
     section
 }
 
-/// Parameters and inputs with their values; initial values do not count, and neither do forces and preloads of zero.
+/// Parameters and inputs with their values; initial values and the step do not count, and neither do forces and preloads of zero.
 fn values(scene: &Scene) -> Vec<Vec<Cell>> {
     let parameters = Parameters::of(scene.clone());
     let is_told = |name: &str, value: f64| {
         let last = name.rsplit('.').next().unwrap_or(name);
         let is_load = last.starts_with('f') || last == "preload";
-        !name.starts_with("initial.") && (value != 0.0 || !is_load)
+        !["initial.", "integrator."].iter().any(|start| name.starts_with(start))
+            && (value != 0.0 || !is_load)
     };
     let row = |(name, value, unit): (String, f64, &str)| {
-        vec![Cell::from(name), Cell::from(format!("{value} {unit}").trim_end().to_owned())]
+        let text = match unit {
+            "N/m" | "N" | "m" | "m/s" | "s" | "N.s/m" if value != 0.0 => {
+                prefixed(value, &unit.replace('.', " "))
+            }
+            _ => format!("{value} {unit}").trim_end().to_owned(),
+        };
+        vec![Cell::from(name), Cell::from(text)]
     };
     let real = parameters.iter().filter_map(|(variable, value)| match variable.template.kind {
         Kind::Real { unit, .. } => {

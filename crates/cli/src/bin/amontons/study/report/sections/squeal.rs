@@ -5,7 +5,7 @@ use super::super::sliding::{Found, OverFriction};
 use super::{cell, figure, sentence, table};
 use amontons_analysis::stability::Mode;
 use amontons_analysis::study::loudness::WayKind;
-use amontons_cli::words::{at_frequency, four, significant};
+use amontons_cli::words::{at_frequency, digits, four};
 use amontons_pictures::picture::{Mark, locus_chart};
 use amontons_pictures::report::{Content, Section, Table};
 use std::f64::consts::TAU;
@@ -24,13 +24,14 @@ pub fn section(report: &Report<'_>) -> Section {
     let mut section = Section { heading: HEADING.to_owned(), ..Section::default() };
     section.text.push(format!(
         "In uniform sliding all contacts slide (state {}) and the structure rests. A mode of it that grows turns a small motion into a \
-         lasting one; a mode that decays lets it die out.",
+         lasting one; a mode that decays lets it die out. Of contact states, Sl means sliding, R-Sl sliding the other way along the \
+         contact's tangent, St sticking and Dt open.",
         sliding.state
     ));
     match &sliding.found {
         Err(reason) => section.text.push(format!("Modes are not known: {reason}.")),
         Ok(found) => {
-            section.tables.push(modes(found));
+            section.key_tables.push(modes(found));
             section.tables.extend(shape(report, found));
         }
     }
@@ -56,7 +57,7 @@ pub fn section(report: &Report<'_>) -> Section {
             section.figures.push(figure(caption, Content::Chart(chart)));
         }
     }
-    section.tables.extend(candidates(report));
+    section.key_tables.extend(candidates(report));
     section
 }
 
@@ -108,12 +109,12 @@ fn shape(report: &Report<'_>, found: &Found) -> Option<Table> {
 /// Where modes begin or cease to grow, in words.
 pub fn turns(over: &OverFriction) -> Vec<String> {
     let first = over.locus.values[0];
-    let range = format!("from µ = {} to {}", significant(first, 6), significant(over.end, 6));
+    let range = format!("from µ = {} to {}", digits(first, 6), digits(over.end, 6));
     let one = |one: &amontons_analysis::stability::CriticalFriction| {
         let turns = if one.becomes_unstable { "begins" } else { "ceases" };
         format!(
             "µ = {}: a mode {turns} to grow {}",
-            significant(one.value, 6),
+            digits(one.value, 6),
             at_frequency(one.frequency_hz)
         )
     };
