@@ -51,6 +51,19 @@ const LOUDNESS: Shared = Shared {
     merge: &["study", "merge", "out"],
 };
 
+const REPORT: Shared = Shared {
+    program: AMONTONS,
+    arguments: &[
+        "study",
+        "report",
+        "disc_brake",
+        "--points=64",
+        "--pushes=uniform(0,0.1)",
+        "--runs=4",
+    ],
+    merge: &["study", "merge", "out"],
+};
+
 const BASIN: Shared = Shared {
     program: AMONTONS,
     arguments: &[
@@ -222,6 +235,11 @@ fn workers_that_share_a_perturbation_study_have_the_bytes_of_one_machine() {
 #[test]
 fn workers_that_share_the_loudness_of_candidates_have_the_bytes_of_one_machine() {
     LOUDNESS.assert_shared(&["loudness.svg", "results.csv", "study.json"], 1..=1);
+}
+
+#[test]
+fn workers_that_share_a_report_have_the_bytes_of_one_machine() {
+    REPORT.assert_shared(&["report.html", "results.csv", "study.json"], 1..=1);
 }
 
 #[test]

@@ -1,15 +1,14 @@
 //! The answers at the start of the page: a few sentences, each with its numbers.
 
 use super::Report;
-use super::changes::Change;
+use super::changes::{Change, Onset};
 use super::sections::{self, sentence};
-use super::sliding::Found;
+use super::sliding::{Found, OverFriction};
 use amontons_analysis::robustness::Estimate;
-use amontons_analysis::stability::Mode;
+use amontons_analysis::stability::{CriticalFriction, Mode};
 use amontons_analysis::study::Kind;
 use amontons_analysis::study::loudness::{FoundMotion, Loudness, Measured};
 use amontons_cli::words::robustness as words;
-use amontons_cli::words::sensitivity::{critical_effects, signed};
 use amontons_cli::words::{at_frequency, digits, four};
 use amontons_export::documentation::counted;
 use amontons_pictures::picture::prefixed;
@@ -61,7 +60,14 @@ fn squeal(report: &Report<'_>) -> Vec<String> {
                 told(own)
             ),
             (true, _, None) => format!("No mode begins to grow up to µ = {}.", told(over.end)),
-            (false, None, _) => "A mode grows for any smaller µ, too.".to_owned(),
+            (false, None, _) => {
+                let ceases = |one: &&CriticalFriction| !one.becomes_unstable && one.value > own;
+                let end = over.critical.iter().find(ceases);
+                let end = end.map_or_else(String::new, |end| {
+                    format!("; growth ceases at µ = {}", told(end.value))
+                });
+                format!("The scene has µ = {}. A mode grows at smaller µ, too{end}.", told(own))
+            }
         });
     }
     said
@@ -253,8 +259,13 @@ fn change(report: &Report<'_>) -> Vec<String> {
     };
     let large = |change: &&Change| change.is_large() && change.parameters.len() == 1;
     let mut single: Vec<&Change> = found.changes.iter().filter(large).collect();
-    let rate = |change: &Change| change.computed.unwrap_or(f64::INFINITY);
-    single.sort_by(|a, b| rate(a).total_cmp(&rate(b)));
+    let is_stable = found.growing().is_empty();
+    // The largest growth rate alone tells little of changes after which no mode grows.
+    let order = |change: &Change| match change.onset {
+        Onset::NotSought => change.computed.unwrap_or(f64::INFINITY),
+        onset => -onset.order(),
+    };
+    single.sort_by(|a, b| order(a).total_cmp(&order(b)));
     let Some((_, leading)) = found.leading() else {
         return vec!["Unknown: uniform sliding has no mode.".to_owned()];
     };
@@ -270,22 +281,31 @@ fn change(report: &Report<'_>) -> Vec<String> {
         None => "there is no equilibrium".to_owned(),
         Some(rate) => {
             let grows = if change.growing == 0 { "no mode grows" } else { "a mode still grows" };
-            format!("{} 1/s, {grows}", four(rate))
+            let growth = format!("{} 1/s, {grows}", four(rate));
+            match change.onset {
+                Onset::NotSought => growth,
+                Onset::At(onset) => {
+                    format!("{growth}; growth begins at µ = {}", digits(onset, 4))
+                }
+                Onset::Above(end) => format!("{growth} up to µ = {}", digits(end, 4)),
+            }
         }
     };
-    let is_stable = found.growing().is_empty();
-    let mut said = Vec::new();
-    if is_stable {
-        said.push(format!(
-            "Nothing needs to change for uniform sliding to be stable: the largest growth rate is {now} 1/s."
-        ));
-        said.extend(margin(report));
-        said.push("It falls most, computed anew, with".to_owned());
-    } else {
-        said.push(format!(
+    let next = report.sliding.over_friction.as_ref().ok().and_then(OverFriction::next);
+    let mut said = vec![match (is_stable, next) {
+        (false, _) => format!(
             "The largest growth rate is {now} 1/s. These changes of one parameter lower it most, computed anew:"
-        ));
-    }
+        ),
+        (true, Some(next)) => format!(
+            "Nothing needs to change for uniform sliding to be stable. A mode begins to grow at µ = {}; these changes of one parameter \
+             raise this µ most, computed anew:",
+            digits(next.value, 4)
+        ),
+        (true, None) => format!(
+            "Nothing needs to change for uniform sliding to be stable. The largest growth rate is {now} 1/s; these changes lower it most, \
+             computed anew:"
+        ),
+    }];
     let one = |change: &&Change| format!("{}: {}", change.name(), result(change));
     said.extend(single.iter().take(MOST_CHANGES).map(one));
     let together = found.changes.iter().find(|one| one.is_large() && one.parameters.len() > 1);
@@ -293,21 +313,6 @@ fn change(report: &Report<'_>) -> Vec<String> {
         said.push(format!("All at once, {}: {}.", change.name(), result(change)));
     }
     said
-}
-
-/// The parameter that moves the next critical µ most.
-fn margin(report: &Report<'_>) -> Option<String> {
-    let over = report.sliding.over_friction.as_ref().ok()?;
-    let own = report.still.friction_coefficient;
-    let next = over.critical.iter().find(|one| one.becomes_unstable && one.value > own)?;
-    let effects = critical_effects(next);
-    let most = effects.first()?;
-    Some(format!(
-        "The critical µ of {} moves most with {}: by {} for +1 %.",
-        digits(next.value, 4),
-        most.parameter.name,
-        signed(most.largest()[0])
-    ))
 }
 
 /// A value to three digits.

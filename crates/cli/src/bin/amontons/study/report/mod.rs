@@ -27,7 +27,7 @@ use amontons_analysis::instant::signals_left_out;
 use amontons_analysis::robustness::{
     Design, FEWEST_SCRAMBLINGS, Parameter, Pushes, check_size, parameters,
 };
-use amontons_analysis::stability::Linearised;
+use amontons_analysis::stability::{Linearised, modes};
 use amontons_analysis::study::loudness::{
     Loudness, LoudnessQuestion, MeasuredPoint, Ways, loudness, measured_points, ways,
 };
@@ -125,7 +125,16 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
     still.check()?;
     scatter.check(&scene)?;
     // Said before the folder is made.
-    Linearised::of(&still).uniform_sliding()?;
+    let here = Linearised::of(&still);
+    let states = here.uniform_sliding()?;
+    if here.equilibrium().is_ok() && modes(here.linear()?, &states)?.all().next().is_none() {
+        return Err(Error::analysis(format!(
+            "{}: no motion is possible in uniform sliding, so there is nothing to report; `amontons-stability states` lists other \
+             contact states",
+            scene.name
+        ))
+        .into());
+    }
     let assumptions = Assumptions::of(&scene, &scatter.uncertain)?;
     let parameters = parameters(&scene, &assumptions.uncertain)?;
     let plan = Plan::of(&still, parameters.len(), arguments.points);

@@ -2,6 +2,7 @@
 
 use super::Report;
 use super::answers::loudest;
+use super::changes::Onset;
 use crate::study::folder::quoted;
 use amontons_analysis::robustness::Estimate;
 use amontons_cli::words::robustness::probabilities;
@@ -23,6 +24,9 @@ pub fn rows(report: &Report<'_>) -> Vec<[String; 5]> {
         for change in &found.changes {
             if let Some(rate) = change.computed {
                 plain(&format!("largest growth rate with {}", change.name()), rate, "1/s");
+            }
+            if let Onset::At(value) = change.onset {
+                plain(&format!("critical µ with {}", change.name()), value, "1");
             }
         }
     }

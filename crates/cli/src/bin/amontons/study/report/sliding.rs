@@ -1,6 +1,6 @@
 //! Uniform sliding: its modes, its modes over µ, and the derivatives of those that grow.
 
-use super::changes::{Change, changes};
+use super::changes::{Change, Onset, changes};
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::decimal::to_significant;
@@ -21,6 +21,8 @@ const STEPS: u32 = 200;
 const BEYOND: f64 = 1.5;
 /// The most degrees of freedom of which modes are followed over µ.
 const MOST_FOLLOWED: usize = 200;
+/// The most modes that are followed over µ for each change of a parameter.
+const MOST_CHANGED: usize = 40;
 /// Modes whose frequencies are this near, in parts of themselves, belong to the bounds that were asked for.
 const ROUNDING: f64 = 1e-9;
 
@@ -46,6 +48,8 @@ pub struct Found {
 pub struct OverFriction {
     pub locus: Locus,
     pub critical: Vec<CriticalFriction>,
+    /// The scene's µ.
+    own: f64,
     /// The last value of µ.
     pub end: f64,
     /// `true` if larger values are impossible, or have no equilibrium.
@@ -72,6 +76,35 @@ impl Found {
     }
 }
 
+impl OverFriction {
+    /// The critical µ next above the scene's, at which a mode begins to grow.
+    pub fn next(&self) -> Option<&CriticalFriction> {
+        self.critical.iter().find(|one| one.becomes_unstable && one.value > self.own)
+    }
+
+    /// The least µ of the same range at which a mode of a changed scene begins to grow.
+    fn onset(&self, scene: &Scene, states: &[ContactState]) -> Onset {
+        if self.locus.branches.len() > MOST_CHANGED {
+            return Onset::NotSought;
+        }
+        let here = |value: f64| {
+            let mut scene = scene.clone();
+            assign(&mut scene, FRICTION, value)?;
+            Ok(Linearised::of(&scene))
+        };
+        match locus(&here, states, &self.locus.values, ALL_FREQUENCIES, &|_, _| {}) {
+            Err(_) => Onset::NotSought,
+            Ok(found) if found.branches.iter().any(|branch| branch[0].lambda.re > 0.0) => {
+                Onset::NotSought
+            }
+            Ok(found) => {
+                let first = found.crossings.iter().find(|one| one.becomes_unstable);
+                first.map_or(Onset::Above(self.end), |first| Onset::At(first.value))
+            }
+        }
+    }
+}
+
 impl Sliding {
     /// # Errors
     /// Returns an error if no surface moves.
@@ -79,11 +112,18 @@ impl Sliding {
         let here = Linearised::of(scene);
         let states = here.uniform_sliding()?;
         let words = |error: Error| error.to_string();
-        Ok(Self {
-            state: in_words(&states, scene),
-            found: found(scene, &here, &states).map_err(words),
-            over_friction: over_friction(scene, &states),
-        })
+        let over_friction = over_friction(scene, &states);
+        let mut found = found(&here, &states).map_err(words);
+        if let Ok(found) = &mut found
+            && let Ok(sensitivities) = &found.sensitivities
+        {
+            let over = over_friction.as_ref().ok();
+            let next = over.filter(|_| !found.modes.unstable()).and_then(|over| over.next());
+            let onset =
+                |scene: &Scene| over.map_or(Onset::NotSought, |over| over.onset(scene, &states));
+            found.changes = changes(scene, sensitivities, next, &onset)?;
+        }
+        Ok(Self { state: in_words(&states, scene), found, over_friction })
     }
 
     pub fn as_json(&self) -> Value {
@@ -116,7 +156,7 @@ impl Sliding {
     }
 }
 
-fn found(scene: &Scene, here: &Linearised, states: &[ContactState]) -> Result<Found, Error> {
+fn found(here: &Linearised, states: &[ContactState]) -> Result<Found, Error> {
     here.equilibrium()?;
     let modes = modes(here.linear()?, states)?;
     let mut found = Found { modes, sensitivities: Err(String::new()), changes: Vec::new() };
@@ -130,9 +170,6 @@ fn found(scene: &Scene, here: &Linearised, states: &[ContactState]) -> Result<Fo
     let [low, high] = amontons::numerics::range(of.into_iter());
     let bounds = [low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)];
     let sensitivities = sensitivities(here, states, bounds, &|_, _| {});
-    if let Ok(sensitivities) = &sensitivities {
-        found.changes = changes(scene, sensitivities)?;
-    }
     found.sensitivities = sensitivities.map_err(|error| error.to_string());
     Ok(found)
 }
@@ -175,7 +212,7 @@ fn over_friction(scene: &Scene, states: &[ContactState]) -> Result<OverFriction,
     let locus = locus(&here, states, &values, ALL_FREQUENCIES, &|_, _| {}).map_err(words)?;
     let critical = critical_friction(scene, states, [from, to], ALL_FREQUENCIES, &|_, _| {});
     let critical = critical.map_err(words)?;
-    Ok(OverFriction { locus, critical, end: to, is_cut: to < last })
+    Ok(OverFriction { locus, critical, own, end: to, is_cut: to < last })
 }
 
 /// Values of µ as a critical µ is sought among.

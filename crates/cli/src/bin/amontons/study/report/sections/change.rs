@@ -67,8 +67,8 @@ fn about(report: &Report<'_>, found: &Found) -> Vec<String> {
     ];
     if found.growing().is_empty() {
         said.push(
-            "No mode grows here. Effects are those on the least stable mode: they tell what makes uniform sliding more stable, and not \
-             what prevents a motion that a push leads to."
+            "No mode grows here. Effects are those on the least stable mode and on critical µ: they tell what keeps uniform sliding stable, \
+             and not what prevents a motion that a push leads to."
                 .to_owned(),
         );
     }
@@ -111,12 +111,13 @@ fn computed(changes: &[Change]) -> Table {
             rate(change.predicted).into(),
             rate(change.computed).into(),
             cell(result, grows),
+            change.onset.to_string().into(),
         ]
     };
     table(
         "Changes of the most effective parameters: the growth rate that derivatives predict, and the largest one of all modes, computed \
          anew",
-        &["Change", "Predicted [1/s]", "Computed [1/s]", "Result"],
+        &["Change", "Predicted [1/s]", "Computed [1/s]", "Result", "Growth begins at µ"],
         changes.iter().map(row).collect(),
     )
 }
