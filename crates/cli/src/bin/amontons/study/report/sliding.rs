@@ -167,7 +167,7 @@ fn found(here: &Linearised, states: &[ContactState]) -> Result<Found, Error> {
         [] => vec![leading.1.frequency_hz()],
         growing => growing.iter().map(|(_, mode)| mode.frequency_hz()).collect(),
     };
-    let [low, high] = amontons::numerics::range(of.into_iter());
+    let [low, high] = amontons::numerics::range(of);
     let bounds = [low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)];
     let sensitivities = sensitivities(here, states, bounds, &|_, _| {});
     found.sensitivities = sensitivities.map_err(|error| error.to_string());

@@ -6,10 +6,13 @@ use amontons::scene::Scene;
 use amontons::simulation::Parameters;
 use amontons::simulation::catalogue::Kind;
 use amontons_analysis::effects::effects;
-use amontons_export::documentation::contents;
+use amontons_analysis::stability::Linearised;
+use amontons_export::documentation::{contents, normal_forces};
 use amontons_pictures::picture::{Structure, prefixed};
 use amontons_pictures::report::{Cell, Content, Section};
 
+/// Contacts whose normal force is told.
+const MOST_FORCES: usize = 12;
 /// Values that are told.
 const MOST_VALUES: usize = 40;
 /// What a run writes down besides motion is no effect on the motion.
@@ -19,7 +22,16 @@ pub fn section(report: &Report<'_>) -> Section {
     let scene = report.scene;
     let mut section =
         Section { heading: "The scene".to_owned(), text: contents(scene), ..Section::default() };
+    if let Ok(equilibrium) = Linearised::of(report.still).equilibrium() {
+        let forces = normal_forces(report.still, equilibrium, MOST_FORCES);
+        section.text.push(format!("Normal forces in the equilibrium: {forces}."));
+    }
     let structure = Structure::from(scene);
+    let forces: Vec<Vec<Cell>> = structure
+        .forces
+        .iter()
+        .map(|one| vec![Cell::from(&*one.name), Cell::from(&*one.label)])
+        .collect();
     if structure.masses.len() <= Structure::MOST_MASSES {
         section.figures.push(figure(
             "Masses, springs, dampers and contacts. The drawing is not to scale.",
@@ -29,7 +41,8 @@ pub fn section(report: &Report<'_>) -> Section {
         let most = Structure::MOST_MASSES;
         section.text.push(format!("There is no drawing: it would show more than {most} masses."));
     }
-    let values = values(scene);
+    let mut values = values(scene);
+    values.extend(forces);
     let count = values.len();
     let shown: Vec<Vec<Cell>> = values.into_iter().take(MOST_VALUES).collect();
     let caption = match count {
@@ -40,8 +53,7 @@ pub fn section(report: &Report<'_>) -> Section {
     };
     section.tables.push(table(caption, &["Name", "Value"], shown));
     let missing = effects(scene).into_iter().filter(|it| !it.is_on && !LEDGERS.contains(&it.name));
-    let missing: Vec<String> =
-        missing.map(|effect| format!("{} ({})", effect.name, effect.equation)).collect();
+    let missing: Vec<&str> = missing.map(|effect| in_words(effect.name)).collect();
     section.points.push(format!("Effects that the scene does not use: {}.", missing.join("; ")));
     section.points.push(
         "The model has masses, linear springs and dampers, and rigid contacts with friction. Wear, heat, and friction that changes \
@@ -49,6 +61,21 @@ pub fn section(report: &Report<'_>) -> Section {
             .to_owned(),
     );
     section
+}
+
+/// An effect as an engineer says it.
+fn in_words(effect: &'static str) -> &'static str {
+    match effect {
+        "static" => "friction that is larger at rest than in sliding",
+        "stribeck" => "friction that falls with the slip velocity",
+        "sticking" => "contacts that stick",
+        "detachment" => "contacts that open",
+        "damping by mass" => "damping in proportion to masses",
+        "damping by stiffness" => "damping in proportion to stiffnesses",
+        "links" => "springs between modules",
+        "forces" => "external forces",
+        other => other,
+    }
 }
 
 /// Parameters and inputs with their values; initial values and the step do not count, and neither do forces and preloads of zero.
