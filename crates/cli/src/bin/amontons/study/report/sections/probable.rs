@@ -27,6 +27,9 @@ pub fn section(report: &Report<'_>) -> Section {
             "There are more masses and stiffnesses than can scatter at once, so friction alone scatters here.".to_owned(),
         );
     }
+    if report.scene.network().is_some_and(|network| !network.superelements.is_empty()) {
+        section.text.push("Matrices of superelements do not scatter.".to_owned());
+    }
     if !report.parameters.is_empty() {
         section.key_tables.push(scatter(report));
     }
