@@ -103,8 +103,9 @@ pub fn section(report: &Report<'_>) -> Section {
 
 /// The parameters that scatter, as they were given.
 fn scatter(report: &Report<'_>) -> Table {
-    let rows = report.assumptions.uncertain.iter().map(|Uncertain { name, distribution }| {
-        let of_name = || report.parameters.iter().filter(|one| is_of(one, name));
+    let rows = report.assumptions.uncertain.iter().map(|uncertain| {
+        let Uncertain { name, distribution } = uncertain;
+        let of_name = || report.parameters.iter().filter(|one| uncertain.is_of(one.name()));
         let values = of_name().map(|one| one.nominal);
         let [least, most] = amontons::numerics::range(values);
         let values = if least == most { format!("{least}") } else { format!("{least} to {most}") };
@@ -114,16 +115,6 @@ fn scatter(report: &Report<'_>) -> Table {
     let caption = "What scatters; ± is a standard deviation of a normal distribution about the scene's value, and half the width of a \
                    uniform one";
     table(caption, &["Parameters", "Distribution", "Number", "Values in the scene"], rows.collect())
-}
-
-/// `true` if a parameter has a name, or one of a pattern in which `*` stands for a part.
-fn is_of(parameter: &Parameter, pattern: &str) -> bool {
-    match pattern.split_once('*') {
-        None => parameter.name() == pattern,
-        Some((before, after)) => {
-            parameter.name().starts_with(before) && parameter.name().ends_with(after)
-        }
-    }
 }
 
 fn add_indices(
