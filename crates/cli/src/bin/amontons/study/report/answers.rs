@@ -110,11 +110,7 @@ fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
         )];
     };
     let loud = &loud.found;
-    let moving = loud.rows.iter().flat_map(|row| &row.attempts).filter(|attempt| {
-        attempt.motion.is_some_and(|motion| loud.motions[motion].ending.kind != Kind::Equilibrium)
-    });
-    let least = moving.map(|attempt| attempt.push).fold(f64::INFINITY, f64::min);
-    if least.is_finite() {
+    if let Some(least) = least_push(loud) {
         return vec![
             format!("A push can make it squeal. {stable}"),
             format!(
@@ -136,6 +132,14 @@ fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
         (_, true) => "Some motions after pushes had not settled, so it is unknown if they last.".to_owned(),
     };
     vec![format!("No squeal was found. {stable}"), tried]
+}
+
+/// The smallest push, m/s, that led to a motion which lasts.
+fn least_push(loud: &Loudness) -> Option<f64> {
+    let moves = |motion: usize| loud.motions[motion].ending.kind != Kind::Equilibrium;
+    let attempts = loud.rows.iter().flat_map(|row| &row.attempts);
+    let moving = attempts.filter(|attempt| attempt.motion.is_some_and(moves));
+    moving.map(|attempt| attempt.push).min_by(f64::total_cmp)
 }
 
 fn loud(report: &Report<'_>) -> Vec<String> {
@@ -241,7 +245,7 @@ fn probable(report: &Report<'_>) -> Vec<String> {
     if let Some(runs) = &report.robustness.runs {
         let pushes = report.arguments.scatter.pushes.as_ref();
         said.push(format!(
-            "After a push of {} m/s it squeals with a probability of {}.",
+            "After a push of {} m/s it squeals with a probability of {}, an interval of 95 %.",
             pushes.map(ToString::to_string).unwrap_or_default(),
             words::squeal(runs)
         ));
@@ -291,18 +295,25 @@ fn change(report: &Report<'_>) -> Vec<String> {
             }
         }
     };
+    let squeals = report.loudness.as_ref().is_ok_and(|loud| least_push(&loud.found).is_some());
+    let stable = if squeals {
+        "Uniform sliding is stable as it is. Which change prevents the motion after a push is unknown; what widens the margin of uniform \
+         sliding is known."
+    } else {
+        "Nothing needs to change for uniform sliding to be stable."
+    };
     let next = report.sliding.over_friction.as_ref().ok().and_then(OverFriction::next);
     let mut said = vec![match (is_stable, next) {
         (false, _) => format!(
             "The largest growth rate is {now} 1/s. These changes of one parameter lower it most, computed anew:"
         ),
         (true, Some(next)) => format!(
-            "Nothing needs to change for uniform sliding to be stable. A mode begins to grow at µ = {}; these changes of one parameter \
+            "{stable} A mode begins to grow at µ = {}; these changes of one parameter \
              raise this µ most, computed anew:",
             digits(next.value, 4)
         ),
         (true, None) => format!(
-            "Nothing needs to change for uniform sliding to be stable. The largest growth rate is {now} 1/s; these changes lower it most, \
+            "{stable} The largest growth rate is {now} 1/s; these changes lower it most, \
              computed anew:"
         ),
     }];
