@@ -101,6 +101,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
             "Made by amontons {} with: cargo run --release --example paper",
             env!("CARGO_PKG_VERSION")
         ),
+        ..Page::default()
     };
     write(&page, &path)?;
     claims::print(&page);

@@ -2,10 +2,11 @@
 
 use amontons::contact::ContactState;
 use amontons_pictures::picture::{
-    Band, Chart, Class, Lane, LaneInterval, Map, Mark, Marker, Panel, Raster, Series, Style,
+    Band, Bar, BarGroup, Bars, Chart, Class, Lane, LaneInterval, Link, LinkKind, Map, Mark, Marker,
+    MassMark, Panel, Raster, Series, SliderMark, Structure, Style,
 };
 use amontons_pictures::report::{
-    Cell, Claim, Content, Figure, Line, Page, Section, Table, Verdict,
+    Answer, Cell, Claim, Content, Figure, Line, Page, Section, Table, Verdict,
 };
 use std::f64::consts::TAU;
 
@@ -322,6 +323,49 @@ fn states() -> Table {
 }
 
 /// Four claims hold, of six.
+fn answers() -> Vec<Answer> {
+    vec![Answer {
+        question: "Is it bi-stable?".into(),
+        text: vec!["Between two values of µ it is.".into(), HOSTILE.into()],
+        section: "Bistability (Figures 5 to 7)".into(),
+    }]
+}
+
+/// Two masses on springs, one of which rubs.
+fn structure() -> Structure {
+    let mass =
+        |name: &str| MassMark { name: name.into(), label: "0.3 kg".into(), ..MassMark::default() };
+    Structure {
+        title: "Two masses".into(),
+        masses: vec![mass("pad"), mass("disc")],
+        links: vec![Link {
+            name: "k1".into(),
+            label: "55 kN/m".into(),
+            ends: [Some(0), None],
+            direction: 0.0,
+            kind: LinkKind::Spring,
+            preload: 0.0,
+        }],
+        sliders: vec![SliderMark {
+            name: "lining".into(),
+            mass: 0,
+            on: Some(1),
+            ..SliderMark::default()
+        }],
+        ..Structure::default()
+    }
+}
+
+fn bars() -> Bars {
+    let bar = |label: &str, value| Bar { label: label.into(), value };
+    let group = BarGroup {
+        title: "Mode at 219.4 Hz".into(),
+        axis: "Change of the growth rate for +1 % [1/s]".into(),
+        bars: vec![bar("module[1].k5", 1.375), bar("module[1].m2", -0.75)],
+    };
+    Bars { title: "Most effective parameters".into(), groups: vec![group] }
+}
+
 pub fn page() -> Page {
     let claim = |paper: &str, found: &str, verdict| Claim {
         paper: paper.into(),
@@ -336,9 +380,10 @@ pub fn page() -> Page {
         text: vec![text.into()],
         claims,
         figures,
-        tables: Vec::new(),
+        ..Section::default()
     };
     Page {
+        answers: answers(),
         title: "Bi-stable friction: figures and claims of a paper".into(),
         lead: vec!["A paper studies a ring of masses that slide in frictional contact. This page repeats its studies and says of each \
              of its statements what came out.".into()],
@@ -368,6 +413,16 @@ pub fn page() -> Page {
                     figure("What was not found is left open.", Content::Chart(marked())),
                 ],
             ),
+            Section {
+                heading: "Structure and changes".into(),
+                figures: vec![
+                    figure("The parts.", Content::Structure(structure())),
+                    figure("What each parameter changes.", Content::Bars(bars())),
+                ],
+                points: vec!["Small starts only.".into(), HOSTILE.into()],
+                commands: vec!["amontons study loudness set1".into(), HOSTILE.into()],
+                ..Section::default()
+            },
             Section {
                 tables: vec![states()],
                 ..section(

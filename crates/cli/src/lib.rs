@@ -7,3 +7,4 @@ pub mod interrupt;
 pub mod progress;
 pub mod say;
 pub mod shards;
+pub mod words;

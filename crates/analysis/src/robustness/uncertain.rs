@@ -36,6 +36,12 @@ impl Uncertain {
         let distribution = Distribution::parse(distribution)?;
         Ok(Self { name: name.trim().to_owned(), distribution })
     }
+
+    /// `true` if a parameter has the name, or one of the pattern.
+    #[must_use]
+    pub fn is_of(&self, parameter: &str) -> bool {
+        matches(&self.name, parameter)
+    }
 }
 
 /// A parameter of a scene that scatters.
@@ -291,6 +297,8 @@ mod tests {
         assert_eq!(value_of(&drawn, "module[2].k6"), Ok(2e5));
         assert!(matches("spring.*.stiffness", "spring.k1.stiffness"));
         assert!(!matches("spring.*", "spring.k1.stiffness") && !matches("k*", "ak"));
+        let springs = Uncertain::parse("module[*].k6=uniform(±10%)").unwrap();
+        assert!(springs.is_of("module[2].k6") && !springs.is_of("module[2].k5"));
     }
 
     #[test]

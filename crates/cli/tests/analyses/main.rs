@@ -22,6 +22,7 @@ mod study_limit_cycle;
 mod study_loudness;
 mod study_orbit;
 mod study_perturbation;
+mod study_report;
 mod study_robustness;
 mod sweep;
 mod transient;

@@ -51,6 +51,19 @@ const LOUDNESS: Shared = Shared {
     merge: &["study", "merge", "out"],
 };
 
+const REPORT: Shared = Shared {
+    program: AMONTONS,
+    arguments: &[
+        "study",
+        "report",
+        "disc_brake",
+        "--points=64",
+        "--pushes=uniform(0,0.1)",
+        "--runs=4",
+    ],
+    merge: &["study", "merge", "out"],
+};
+
 const BASIN: Shared = Shared {
     program: AMONTONS,
     arguments: &[
@@ -245,6 +258,11 @@ fn workers_that_share_a_design_have_the_bytes_of_one_machine() {
         ["growth.csv", "growth.svg", "results.csv", "study.json", "trade-off.csv", "trade-off.svg"];
     // Starts, then the trade-off and the runs.
     DESIGN.assert_shared(&files, 2..=2);
+}
+
+#[test]
+fn workers_that_share_a_report_have_the_bytes_of_one_machine() {
+    REPORT.assert_shared(&["report.html", "results.csv", "study.json"], 1..=1);
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod documentation_pages;
 
 use crate::browser::Browser;
 use crate::sample_report;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 const DESKTOP: u32 = 1280;
@@ -22,12 +22,29 @@ fn sample() -> (Browser, PathBuf, TempDir) {
 #[cfg_attr(not(has_chromium), ignore = "Chromium is not installed (Debian: apt install chromium)")]
 fn every_figure_is_drawn_wide_and_on_a_phone() {
     let (mut browser, path, _folder) = sample();
+    assert_fits(&mut browser, &path, 7.0);
+}
+
+/// The page of `study report`, which has tables of more columns than the sample.
+#[test]
+#[cfg_attr(not(has_chromium), ignore = "Chromium is not installed (Debian: apt install chromium)")]
+fn the_page_of_a_scene_is_drawn_wide_and_on_a_phone() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let program = env!("CARGO_BIN_EXE_amontons");
+    let arguments = ["study", "report", "disc_brake", "--points=16", "-o", "out"];
+    let output = crate::program::run(program, folder.path(), &arguments);
+    assert!(output.status.success(), "{}", crate::program::text(&output.stderr));
+    assert_fits(&mut Browser::start(), &folder.path().join("out/report.html"), 5.0);
+}
+
+/// Every figure of a page is drawn, at least `figures` of them, and no part of the page is lost, wide and on a phone.
+fn assert_fits(browser: &mut Browser, path: &Path, figures: f64) {
     for width in [DESKTOP, PHONE] {
-        browser.open(&path, width);
+        browser.open(path, width);
         let count = browser.number("document.querySelectorAll('figure').length");
-        assert!(count >= 7.0);
+        assert!(count >= figures);
         let empty = browser.text(
-            "[...document.querySelectorAll('figure')].filter(f => !f.querySelector('svg polyline, svg circle, svg image'))\
+            "[...document.querySelectorAll('figure')].filter(f => !f.querySelector('svg polyline, svg circle, svg image, svg rect'))\
              .map(f => f.id).join()",
         );
         assert_eq!(empty, "", "nothing is drawn at {width}");

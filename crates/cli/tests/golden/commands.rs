@@ -92,6 +92,7 @@ pub const COMMANDS: [(&str, &[Command]); 4] = [
             ("amontons study perturbation --help", 5, whole),
             ("amontons study basin --help", 5, whole),
             ("amontons study robustness --help", ALL, whole),
+            ("amontons study report --help", ALL, whole),
             ("amontons study merge --help", ALL, whole),
             ("amontons check --help", 20, whole),
             ("amontons scenes --help", ALL, whole),

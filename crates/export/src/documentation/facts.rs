@@ -64,6 +64,16 @@ pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
     facts
 }
 
+/// Sentences on the parts of a scene, and on its contacts.
+#[must_use]
+pub fn contents(scene: &Scene) -> Vec<String> {
+    let mut told = vec![format!("The scene is {}.", structure(scene, &LumpedModel::from(scene)))];
+    if scene.contact_count() > 0 {
+        told.push(format!("Contacts have {}.", contact(scene)));
+    }
+    told
+}
+
 /// A number of things: "1 spring", "2 springs".
 #[must_use]
 pub fn counted(count: usize, one: &str, several: &str) -> String {

@@ -32,7 +32,7 @@ mod variables;
 
 pub use accuracy::accuracy_page;
 pub use cross_check::{CrossCheck, cross_check};
-pub use facts::{counted, normal_forces, size};
+pub use facts::{contents, counted, normal_forces, size};
 pub use run::{ReferenceRun, reference_run};
 
 use crate::package::Documentation;

@@ -60,10 +60,24 @@ impl Bars {
     /// # Errors
     /// Returns an error for another ending, if there is no bar, or if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        if self.groups.iter().all(|group| group.bars.is_empty()) {
-            return Err(canvas::cannot_draw(path, &Failure("there is no bar".into())));
-        }
+        self.check().map_err(|failure| canvas::cannot_draw(path, &failure))?;
         canvas::write(self, path)
+    }
+
+    /// The text of an SVG, as [`write`](Self::write) writes it.
+    ///
+    /// # Errors
+    /// Returns an error if there is no bar.
+    pub fn svg(&self) -> Result<String, Error> {
+        self.check().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
+        canvas::svg_text(self)
+    }
+
+    fn check(&self) -> Result<(), Failure> {
+        if self.groups.iter().all(|group| group.bars.is_empty()) {
+            return Err(Failure("there is no bar".into()));
+        }
+        Ok(())
     }
 }
 

@@ -16,6 +16,8 @@ pub(super) fn figure(figure: &Figure, number: usize) -> Result<String, Error> {
     let (title, svg) = match &figure.content {
         Content::Chart(chart) => (&chart.title, thinned(chart).svg()?),
         Content::Map(map) => (&map.title, map.svg()?),
+        Content::Structure(structure) => (&structure.title, structure.svg()?),
+        Content::Bars(bars) => (&bars.title, bars.svg()?),
     };
     let mut html = format!("<figure id=\"{id}\" aria-labelledby=\"{id}-title\">\n");
     add(&mut html, format_args!("<h3 class=\"unseen\" id=\"{id}-title\">{}</h3>\n", text(title)));

@@ -3,7 +3,7 @@
 use super::Content;
 use super::thin::evenly_spaced;
 use crate::picture::number::typeset;
-use crate::picture::{Chart, Lane, Map, Panel, Raster, Series};
+use crate::picture::{Bar, BarGroup, Chart, Lane, Map, Panel, Raster, Series, Structure};
 use amontons::decimal::to_significant;
 
 /// Rows of all tables of curves of a figure together.
@@ -43,7 +43,52 @@ pub(super) fn listings(content: &Content) -> Listings {
     match content {
         Content::Chart(chart) => of_chart(chart),
         Content::Map(map) => Listings { tables: vec![of_map(map)], notes: Vec::new() },
+        Content::Structure(structure) => {
+            Listings { tables: of_structure(structure), notes: Vec::new() }
+        }
+        Content::Bars(bars) => {
+            Listings { tables: bars.groups.iter().map(of_bars).collect(), notes: Vec::new() }
+        }
     }
+}
+
+fn of_bars(group: &BarGroup) -> Listing {
+    let row = |bar: &Bar| vec![bar.label.clone(), number(bar.value)];
+    Listing {
+        title: group.title.clone(),
+        head: vec!["Name".to_owned(), group.axis.clone()],
+        rows: group.bars.iter().map(row).collect(),
+        whole: (0, "bars"),
+    }
+}
+
+/// The parts of a structure with their values; a kind of which there is none has no table.
+fn of_structure(structure: &Structure) -> Vec<Listing> {
+    let mass = |place: usize| structure.masses[place].name.clone();
+    let masses = structure.masses.iter().map(|one| vec![one.name.clone(), one.label.clone()]);
+    let links = structure.links.iter().map(|one| {
+        let ends = one.ends.map(|end| end.map_or_else(|| "ground".to_owned(), mass));
+        vec![one.name.clone(), one.label.clone(), ends.join(" to ")]
+    });
+    let sliders = structure.sliders.iter().map(|one| {
+        let on = one.on.map_or_else(|| "a rigid surface".to_owned(), mass);
+        vec![one.name.clone(), one.label.clone(), format!("{} on {on}", mass(one.mass))]
+    });
+    let forces = structure.forces.iter();
+    let forces = forces.map(|one| vec![one.name.clone(), one.label.clone(), mass(one.mass)]);
+    let listing = |title: &str, head: &[&str], rows: Vec<Vec<String>>| Listing {
+        title: title.to_owned(),
+        head: head.iter().map(|&name| name.to_owned()).collect(),
+        rows,
+        whole: (0, "parts"),
+    };
+    let all = [
+        listing("Masses", &["Name", "Value"], masses.collect()),
+        listing("Springs and dampers", &["Name", "Value", "Between"], links.collect()),
+        listing("Contacts", &["Name", "Values", "Between"], sliders.collect()),
+        listing("Forces", &["Name", "Value", "On"], forces.collect()),
+    ];
+    all.into_iter().filter(|listing| !listing.rows.is_empty()).collect()
 }
 
 fn of_chart(chart: &Chart) -> Listings {

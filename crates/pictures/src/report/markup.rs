@@ -1,7 +1,7 @@
 //! The page around figures: head, sections, claims, tables.
 
 use super::figure::figure;
-use super::{Cell, Claim, Page, Section, Table, Verdict, summary};
+use super::{Cell, Claim, Page, Section, Table, Verdict, answers, summary};
 use amontons::Error;
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
@@ -41,6 +41,7 @@ fn body(page: &Page) -> Result<String, Error> {
     add(&mut html, format_args!("<h1>{}</h1>\n", text(&page.title)));
     paragraphs(&mut html, &page.lead);
     html += "</header>\n<main id=\"main\">\n";
+    html += &answers::answers(page)?;
     html += &summary::summary(page);
     html += &contents(page);
     let (mut claims, mut figures, mut tables) = (0, 0, 0);
@@ -121,6 +122,10 @@ fn section(
     [claims, figures, tables]: [&mut usize; 3],
 ) -> Result<(), Error> {
     paragraphs(html, &section.text);
+    for one in &section.key_tables {
+        *tables += 1;
+        table(html, one, *tables)?;
+    }
     if !section.claims.is_empty() {
         claim_table(html, &section.heading, &section.claims, *claims);
         *claims += section.claims.len();
@@ -133,7 +138,22 @@ fn section(
         *tables += 1;
         table(html, one, *tables)?;
     }
+    points(html, &section.points);
+    if !section.commands.is_empty() {
+        html.push_str("<pre class=\"commands\">");
+        section.commands.iter().for_each(|one| add(html, format_args!("{}\n", text(one))));
+        html.push_str("</pre>\n");
+    }
     Ok(())
+}
+
+fn points(html: &mut String, all: &[String]) {
+    if all.is_empty() {
+        return;
+    }
+    html.push_str("<ul>\n");
+    all.iter().for_each(|one| add(html, format_args!("<li>{}</li>\n", text(one))));
+    html.push_str("</ul>\n");
 }
 
 /// A verdict by a symbol and words.

@@ -1,11 +1,12 @@
 //! Reports: one HTML page that needs nothing else, from plain data.
 //!
-//! A page has claims with their verdicts, figures and tables. It is one file that opens without a network; a
+//! A page has answers that link to the sections which show them, claims with their verdicts, figures, tables and commands. It is one file that opens without a network; a
 //! [content security policy](https://www.w3.org/TR/CSP3/) in it forbids to load or run anything. Each figure is an SVG
 //! in the colours of the reader's scheme, light or dark, and has its data as a table.
 //!
 //! One set of data gives one sequence of bytes.
 
+mod answers;
 mod figure;
 mod listing;
 mod markup;
@@ -15,7 +16,7 @@ mod thin;
 pub use markup::{BASE_STYLE, add, plain_table, sheet, text};
 pub use thin::{envelope, evenly_spaced};
 
-use crate::picture::{Chart, Map};
+use crate::picture::{Bars, Chart, Map, Structure};
 use amontons::Error;
 use amontons_analysis::output::AtomicFile;
 use std::io::Write as _;
@@ -28,25 +29,44 @@ pub struct Page {
     pub title: String,
     /// Paragraphs before everything else.
     pub lead: Vec<String>,
+    /// Answers in a few sentences, which stand before all sections.
+    pub answers: Vec<Answer>,
     /// The sections in order. The summary of all their claims stands before them.
     pub sections: Vec<Section>,
     /// The last line: what made the page.
     pub footer: String,
 }
 
-/// A part of a report with a heading. Its text comes first, then claims, figures and tables.
+/// A question of the reader with its answer, and the section that shows it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Answer {
+    /// The question.
+    pub question: String,
+    /// Sentences of the answer.
+    pub text: Vec<String>,
+    /// Heading of the section that shows it.
+    pub section: String,
+}
+
+/// A part of a report with a heading. Its text comes first, then key tables, claims, figures, tables, points and commands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Section {
     /// Heading of the section, also in the table of contents.
     pub heading: String,
     /// Paragraphs.
     pub text: Vec<String>,
+    /// Tables that stand before the figures.
+    pub key_tables: Vec<Table>,
     /// Numbered through all sections.
     pub claims: Vec<Claim>,
     /// The figures in order.
     pub figures: Vec<Figure>,
     /// The tables in order.
     pub tables: Vec<Table>,
+    /// The points of a list.
+    pub points: Vec<String>,
+    /// Command lines, one below the other.
+    pub commands: Vec<String>,
 }
 
 /// Something that the paper says, and what came out.
@@ -95,6 +115,10 @@ pub enum Content {
     Chart(Chart),
     /// Classes over a plane.
     Map(Map),
+    /// Masses and what joins them.
+    Structure(Structure),
+    /// Groups of bars.
+    Bars(Bars),
 }
 
 /// A table. The first cell of each row names the row.
@@ -145,8 +169,8 @@ impl Verdict {
 /// cell of a fine grid; 4000 points or a few more. Points with labels all stay.
 ///
 /// # Errors
-/// Returns an error if a figure has nothing to draw or has data that contradict each other, or if a row of a table
-/// does not have as many cells as the table has columns.
+/// Returns an error if a figure has nothing to draw or has data that contradict each other, if a row of a table does not
+/// have as many cells as the table has columns, or if an answer names a section that the page does not have.
 pub fn html(page: &Page) -> Result<String, Error> {
     markup::page(page)
 }

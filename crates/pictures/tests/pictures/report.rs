@@ -21,7 +21,13 @@ fn a_page_has_every_claim_caption_and_table() {
     let page = page();
     has(&page.title);
     has(&page.footer);
+    for answer in &page.answers {
+        has(&answer.question);
+        answer.text.iter().for_each(|text| has(text));
+    }
+    assert!(html.contains("<a href=\"#section-"), "an answer has a link");
     for section in &page.sections {
+        section.points.iter().chain(&section.commands).for_each(|text| has(text));
         has(&section.heading);
         section.text.iter().for_each(|text| has(text));
         for claim in &section.claims {
@@ -175,6 +181,38 @@ fn what_cannot_be_drawn_is_refused_by_name() {
         error.to_string().contains("row 1 of the table \"Values\" has 1 cells for 2"),
         "{error}"
     );
+}
+
+#[test]
+fn an_answer_that_no_section_shows_is_refused() {
+    let mut page = page();
+    page.answers[0].section = "Elsewhere".into();
+    let error = html(&page).unwrap_err();
+    assert!(
+        error.is_picture() && error.to_string().contains("names a section \"Elsewhere\""),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_values_of_a_structure_and_of_bars_stand_below_them_as_tables() {
+    let html = sample();
+    for cell in ["<td>55 kN/m</td><td>pad to ground</td>", "<td>pad on disc</td>", "<td>−0.75</td>"]
+    {
+        assert!(html.contains(cell), "{cell}");
+    }
+}
+
+#[test]
+fn key_tables_stand_before_figures_and_other_tables_behind_them() {
+    let mut page = page();
+    let section = page.sections.iter_mut().find(|one| !one.tables.is_empty()).unwrap();
+    section.key_tables = vec![Table { caption: "Key values".into(), ..section.tables[0].clone() }];
+    let (heading, last) = (section.heading.clone(), section.tables[0].caption.clone());
+    let html = html(&page).unwrap();
+    let section = &html[html.find(&format!(">{heading}</h2>")).unwrap()..];
+    let place = |text: &str| section.find(text).unwrap();
+    assert!(place("Key values") < place("<figure") && place("<figure") < place(&escape(&*last)));
 }
 
 #[test]

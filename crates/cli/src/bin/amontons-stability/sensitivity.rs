@@ -4,32 +4,24 @@ use crate::arguments::Sensitivity;
 use crate::labels::{LOCATED, at_frequency, significant};
 use crate::{AnalysedScene, Failure, configured, friction, state};
 use amontons::Error;
-use amontons::decimal::to_significant;
 use amontons_analysis::instant::require_undriven;
 use amontons_analysis::patterns::in_words;
 use amontons_analysis::stability::locus::ALL_FREQUENCIES;
 use amontons_analysis::stability::{
-    CriticalFriction, Linearised, Merging, ModeSensitivity, Parameter, Sensitivities,
-    critical_friction, sensitivities,
+    CriticalFriction, Linearised, Parameter, Sensitivities, critical_friction, sensitivities,
 };
 use amontons_analysis::sweep::FRICTION;
 use amontons_cli::arguments::Format;
 use amontons_cli::progress::Progress;
-use amontons_pictures::picture::{self, Bar, BarGroup, Bars};
+use amontons_cli::words::sensitivity::{
+    CHANGE, Effect, bars, by_growth, critical_effects, merging_effects, mode_effects, place,
+    signed, value, without_derivatives,
+};
+use amontons_pictures::picture::{self, Bars};
 use serde_json::{Map, Value, json};
-use std::cmp::Ordering;
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::io::{self, Write};
-
-/// A change of a parameter that tables and pictures show the consequences of.
-const CHANGE: f64 = 0.01;
-/// A change below this part of the largest one is rounding of zero.
-const ROUNDING: f64 = 1e-11;
-/// Changes that are equal to this number of digits have no order.
-const SAME_DIGITS: usize = 8;
-/// Number of modes of a picture.
-const MOST_DRAWN: usize = 6;
 
 /// The results to be printed.
 struct SensitivityReport<'a> {
@@ -97,98 +89,11 @@ pub fn run(arguments: &Sensitivity, out: &mut dyn Write) -> Result<(), Failure> 
     Ok(())
 }
 
-/// A parameter with the effect of a change of it by one part in a hundred of its size or, if it is zero, by its unit.
-struct Effect<'a> {
-    parameter: &'a Parameter,
-    /// Changes of the growth rate, 1/s, and of the frequency, Hz, or of a critical µ; one for each copy.
-    changes: Vec<[f64; 2]>,
-}
-
-impl<'a> Effect<'a> {
-    /// The effect of a parameter with these derivatives by it.
-    fn of(parameter: &'a Parameter, derivatives: impl Iterator<Item = [f64; 2]>) -> Self {
-        // A parameter that is zero has no part in a hundred: its unit stands for it.
-        let by = if parameter.value == 0.0 { 1.0 } else { CHANGE * parameter.value.abs() };
-        Self { parameter, changes: derivatives.map(|it| it.map(|part| by * part)).collect() }
-    }
-
-    /// `true` if the change is one unit of the parameter.
-    fn is_by_unit(&self) -> bool {
-        self.parameter.value == 0.0
-    }
-
-    /// The largest change of each quantity.
-    fn size(&self) -> [f64; 2] {
-        let most =
-            |part: usize| self.changes.iter().fold(0.0, |most, it| f64::max(most, it[part].abs()));
-        [most(0), most(1)]
-    }
-
-    /// The change that is largest.
-    fn largest(&self) -> [f64; 2] {
-        let by_size = |a: &&[f64; 2], b: &&[f64; 2]| a[0].abs().total_cmp(&b[0].abs());
-        self.changes.iter().max_by(by_size).copied().unwrap_or_default()
-    }
-}
-
-/// The effects without those of rounding of a quantity of this size, the largest first and parameters that are zero last; those
-/// that are equal but for rounding in the order of the parameters.
-fn sorted(mut effects: Vec<Effect<'_>>, size: f64) -> Vec<Effect<'_>> {
-    let changes = || effects.iter().flat_map(|effect| &effect.changes);
-    let largest = changes().map(|change| change[0].abs().max(TAU * change[1].abs()));
-    let floor = ROUNDING * largest.fold(size, f64::max);
-    for change in effects.iter_mut().flat_map(|effect| &mut effect.changes) {
-        for (part, unit) in change.iter_mut().zip([1.0, TAU]) {
-            if unit * part.abs() <= floor {
-                *part = 0.0;
-            }
-        }
-    }
-    let order = |effect: &Effect<'_>| {
-        let [first, second] = effect.size().map(|size| to_significant(size, SAME_DIGITS));
-        (!effect.is_by_unit(), first, second)
-    };
-    effects.sort_by(|a, b| order(b).partial_cmp(&order(a)).unwrap_or(Ordering::Equal));
-    effects
-}
-
 impl SensitivityReport<'_> {
-    /// The modes, the fastest growing first.
-    fn by_growth(&self) -> Vec<&ModeSensitivity> {
-        let mut modes: Vec<&ModeSensitivity> = self.found.modes.iter().collect();
-        let order = |a: &&ModeSensitivity, b: &&ModeSensitivity| -> Ordering {
-            b.growth_rate().total_cmp(&a.growth_rate())
-        };
-        modes.sort_by(order);
-        modes
-    }
-
-    /// The effects on a mode's growth rate and frequency; rounding is told by the size of the eigenvalue too.
-    fn effects(&self, mode: &ModeSensitivity) -> Vec<Effect<'_>> {
-        let derivatives = mode.derivatives.iter().flatten();
-        let of = |(parameter, values): (_, &Vec<nalgebra::Complex<f64>>)| {
-            let change = |value: &nalgebra::Complex<f64>| [value.re, value.im / TAU];
-            Effect::of(parameter, values.iter().map(change))
-        };
-        let effects = self.found.parameters.iter().zip(derivatives).map(of).collect();
-        sorted(effects, mode.eigenvalue.norm())
-    }
-
-    /// The effects on the µ of a merging.
-    fn merging_effects(&self, merging: &Merging) -> Vec<Effect<'_>> {
-        let all = self.found.parameters.iter().zip(&merging.derivatives);
-        let all = all.filter(|(_, values)| !values.is_empty());
-        let of = |(parameter, values): (_, &Vec<f64>)| {
-            Effect::of(parameter, values.iter().map(|value| [*value, 0.0]))
-        };
-        sorted(all.map(of).collect(), merging.friction)
-    }
-
-    /// The effects on a critical µ.
-    fn critical_effects(critical: &CriticalFriction) -> Vec<Effect<'_>> {
-        let all = critical.derivatives.iter().flatten();
-        let all = all.map(|it| Effect::of(&it.0, it.1.iter().map(|value| [*value, 0.0])));
-        sorted(all.collect(), critical.value)
+    /// The most effective parameters of the modes that grow fastest, and of each critical µ.
+    fn bars(&self) -> Bars {
+        let critical = self.critical.as_deref().unwrap_or_default();
+        bars(self.title(), &self.found, by_growth(&self.found), critical, self.first)
     }
 
     fn title(&self) -> String {
@@ -199,7 +104,7 @@ impl SensitivityReport<'_> {
     fn print_table(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "{}", self.title())?;
         write!(out, "{}", self.given.head())?;
-        for mode in self.by_growth() {
+        for mode in by_growth(&self.found) {
             let growth = significant(mode.growth_rate(), 5);
             write!(
                 out,
@@ -210,13 +115,18 @@ impl SensitivityReport<'_> {
             if let Some(merging) = &mode.merging {
                 writeln!(out, ", {}", place(merging))?;
                 let head = format!("change of this µ, for +{} % of the parameter", 100.0 * CHANGE);
-                self.print_effects(&self.merging_effects(merging), &head, None, out)?;
+                self.print_effects(&merging_effects(&self.found, merging), &head, None, out)?;
             } else if mode.derivatives.is_none() {
                 writeln!(out, ", {}", without_derivatives(mode))?;
             } else {
                 writeln!(out)?;
                 let head = format!("growth rate [1/s], for +{} % of the parameter", 100.0 * CHANGE);
-                self.print_effects(&self.effects(mode), &head, Some("frequency [Hz]"), out)?;
+                self.print_effects(
+                    &mode_effects(&self.found, mode),
+                    &head,
+                    Some("frequency [Hz]"),
+                    out,
+                )?;
                 if mode.holds_within < CHANGE {
                     writeln!(
                         out,
@@ -246,7 +156,7 @@ impl SensitivityReport<'_> {
             )?;
             let head = format!("change of this µ, for +{} % of the parameter", 100.0 * CHANGE);
             match &critical.derivatives {
-                Ok(_) => self.print_effects(&Self::critical_effects(critical), &head, None, out)?,
+                Ok(_) => self.print_effects(&critical_effects(critical), &head, None, out)?,
                 Err(reason) => writeln!(out, "  no derivatives: {reason}")?,
             }
         }
@@ -414,68 +324,6 @@ impl SensitivityReport<'_> {
             "critical": critical,
         })
     }
-
-    /// The most effective parameters of the modes that grow fastest, and of each critical µ.
-    fn bars(&self) -> Bars {
-        let bars = |effects: &[Effect<'_>]| {
-            let shown = effects.iter().take(self.first);
-            let bar = |effect: &Effect<'_>| Bar {
-                label: effect.parameter.name.clone(),
-                value: effect.largest()[0],
-            };
-            shown.map(bar).collect::<Vec<Bar>>()
-        };
-        let modes = self.by_growth();
-        let modes = modes.into_iter().take(MOST_DRAWN).map(|mode| {
-            let hz = mode.frequency_hz();
-            match &mode.merging {
-                Some(merging) => BarGroup {
-                    title: format!("Mode at {hz:.2} Hz, {}", place(merging)),
-                    axis: "Change of this µ for +1 % [–]".into(),
-                    bars: bars(&self.merging_effects(merging)),
-                },
-                None => BarGroup {
-                    title: format!(
-                        "Mode at {hz:.2} Hz, growth rate {} 1/s",
-                        significant(mode.growth_rate(), 4)
-                    ),
-                    axis: "Change of the growth rate for +1 % [1/s]".into(),
-                    bars: bars(&self.effects(mode)),
-                },
-            }
-        });
-        let critical = self.critical.iter().flatten().map(|critical| BarGroup {
-            title: format!(
-                "Critical µ = {} {}",
-                significant(critical.value, 6),
-                at_frequency(critical.frequency_hz)
-            ),
-            axis: "Change of the critical µ for +1 % [–]".into(),
-            bars: bars(&Self::critical_effects(critical)),
-        });
-        let groups = modes.chain(critical).filter(|group| !group.bars.is_empty()).collect();
-        Bars { title: self.title(), groups }
-    }
-}
-
-/// The place of a merging, as "merges with another mode at µ = 1.2, at a distance of 1e-3".
-fn place(merging: &Merging) -> String {
-    let (at, distance) = (significant(merging.friction, 9), significant(merging.distance, 3));
-    let verb = match (merging.is_exact, merging.is_real) {
-        (true, false) => "merges with another mode",
-        (true, true) => "begins or ceases to oscillate",
-        (false, _) => "comes nearest to another mode",
-    };
-    format!("{verb} at µ = {at}, at a distance of {distance}")
-}
-
-/// The reason for which a mode has no derivatives.
-fn without_derivatives(mode: &ModeSensitivity) -> &'static str {
-    if mode.eigenvalue.norm() == 0.0 {
-        "a free motion, which no spring holds: it has no derivatives"
-    } else {
-        "equal to another mode with the same shape: it has no derivatives"
-    }
 }
 
 /// The name of a value of all modules: `module[*].f1`.
@@ -484,20 +332,6 @@ fn any_place(name: &str) -> String {
         (Some((kind, _)), Some((_, key))) => format!("{kind}[*]{key}"),
         _ => name.to_owned(),
     }
-}
-
-/// A parameter's value with its unit.
-fn value(Parameter { value, unit, .. }: &Parameter) -> String {
-    if unit.is_empty() { format!("{value}") } else { format!("{value} {unit}") }
-}
-
-/// A number with its sign.
-fn signed(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    let text = significant(value.abs(), 4);
-    format!("{}{text}", if value < 0.0 { '-' } else { '+' })
 }
 
 /// Text for modes with one eigenvalue.

@@ -309,6 +309,14 @@ fn one_of<T: Copy + Send + Sync>(
 }
 
 impl Integrator {
+    /// The options as a command line has them; nothing where none is given.
+    pub fn words(&self) -> String {
+        let step = self.step.map_or_else(String::new, |step| format!(" --step {step}"));
+        let method = self.integrator.map(|method| format!(" --integrator {}", method.name()));
+        let preset = self.preset.map(|preset| format!(" --preset {}", preset.name()));
+        step + &method.unwrap_or_default() + &preset.unwrap_or_default()
+    }
+
     /// The settings of the command line.
     pub fn choice(&self) -> IntegratorChoice {
         IntegratorChoice { method: self.integrator, step: self.step, preset: self.preset }

@@ -56,6 +56,12 @@ pub enum Study {
     /// eigenvalues on a finer grid and by runs after pushes. The study writes results.csv (each value before and after),
     /// trade-off.csv (growth rate against change), growth.csv, study.json and pictures.
     Design(super::design::DesignArguments),
+    /// One page that answers for a scene: does it squeal, at which frequencies, how loud, how probable, what to change
+    ///
+    /// It joins eigenvalues, loudness, robustness and sensitivities. Where --uncertain is not given the scatter of parameters is assumed:
+    /// friction ±10 %, masses and stiffnesses ±5 % (standard deviations). The study writes report.html, which needs no network and
+    /// prints as PDF from a browser, results.csv (the key numbers) and study.json.
+    Report(super::report::ReportArguments),
     /// Put the pieces of all workers of a study together (--shard), tell what is missing, or write the results
     ///
     /// It may be run at any time and any number of times, while workers run or after they were killed, in the folder in
@@ -121,6 +127,16 @@ pub struct ObservationOptions {
 }
 
 impl ObservationOptions {
+    /// The options as a command line has them; nothing where none is given.
+    pub fn words(&self) -> String {
+        let of = self.of.as_ref().map_or_else(String::new, |of| format!(" --of '{of}'"));
+        let times =
+            [("window", self.window), ("interval", self.interval), ("longest", self.longest)];
+        let times =
+            times.into_iter().filter_map(|(name, value)| Some(format!(" --{name} {}", value?)));
+        of + &times.collect::<String>()
+    }
+
     pub fn request(&self) -> ObservationRequest<'_> {
         ObservationRequest {
             of: self.of.as_deref(),

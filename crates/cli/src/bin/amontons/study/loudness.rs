@@ -4,23 +4,23 @@ use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::{Folder, quoted};
 use super::{heading, prepared};
 use crate::arguments::positive;
-use amontons::decimal::to_significant;
 use amontons::error::Short;
 use amontons::scene::Scene;
 use amontons_analysis::study::loudness::{
-    Attempt, FoundMotion, Loudness as Found, LoudnessQuestion, Measured, Row, Unexamined, Ways,
-    check_undriven, loudness, measured_points, ways,
+    Attempt, Loudness as Found, LoudnessQuestion, Measured, Row, Ways, check_undriven, loudness,
+    measured_points, ways,
 };
-use amontons_analysis::study::{Kind, ObservationSettings, Push};
+use amontons_analysis::study::{ObservationSettings, Push};
 use amontons_cli::charts::loudness::chart;
 use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
 use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
-use amontons_export::documentation::counted;
+use amontons_cli::words::loudness as words;
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
+use std::fmt::Display;
 
 #[derive(Args)]
 pub struct Loudness {
@@ -144,16 +144,6 @@ fn csv(row: &Row, found: &Found) -> [String; 23] {
     ]
 }
 
-/// A number to four digits.
-fn four(value: f64) -> String {
-    let rounded = to_significant(value, 4);
-    if rounded != 0.0 && !(1e-2..1e4).contains(&rounded.abs()) {
-        format!("{rounded:.3e}")
-    } else {
-        Short(rounded).to_string()
-    }
-}
-
 fn print(
     scene: &Scene,
     ways: &Ways,
@@ -162,41 +152,14 @@ fn print(
 ) {
     say!("{}: µ = {}", scene.name, Short(scene.friction_coefficient));
     say!("{}", heading(&[(scene, observation)]));
-    match (found.grows, found.rows.len()) {
-        (true, count) => say!(
-            "{} of uniform sliding; each starts with a velocity amplitude of {} m/s",
-            counted(count, "growing mode", "growing modes"),
-            four(push)
-        ),
-        (false, 0) if ways.unexamined.is_some() => say!("no mode of uniform sliding grows"),
-        (false, 0) => say!("no mode of uniform sliding grows, and there is no candidate to push"),
-        (false, count) => say!(
-            "no mode of uniform sliding grows; {} for a second motion, pushed along the growing mode of another contact state",
-            counted(count, "candidate", "candidates")
-        ),
-    }
-    match ways.unexamined {
-        Some(Unexamined::Contacts(contacts)) => {
-            say!(
-                "candidates were not looked for: {contacts} contacts have too many contact states"
-            );
-        }
-        Some(Unexamined::Candidates(left)) => say!(
-            "{left} more candidates were not pushed, those that need the most energy; --candidates {} includes them",
-            ways.ways.len() + left
-        ),
-        None => {}
-    }
+    words::starts(ways, found, push).iter().for_each(|said| say!("{said}"));
     if found.rows.is_empty() {
-        say!(
-            "small motions die out; a larger one may still exist, since stick-slip needs no growing mode: `amontons study \
-             continuation` looks for motions over µ"
-        );
         return;
     }
     table(found);
     for (place, motion) in found.motions.iter().enumerate() {
-        print_motion(place, motion, found);
+        say!("\n{}", words::motion_title(place, motion, found));
+        words::motion_lines(motion).iter().for_each(|line| say!("  {line}"));
     }
     if !found.findings.is_empty() {
         say!("\ngrowth and loudness");
@@ -206,136 +169,16 @@ fn print(
 
 /// The table: growth on the left, the motion on the right.
 fn table(found: &Found) {
-    say!(
-        "\n{:<13}  {:<8} {:>9} {:>10} {:>5}   {:>6} {:>9} {:>11} {:>11} {:>11} {:>9}",
-        "way",
-        "states",
-        "f [Hz]",
-        "rate [1/s]",
-        "rank",
-        "motion",
-        "f [Hz]",
-        "rms [m/s]",
-        "normal",
-        "J a cycle",
-        "loudness",
-    );
-    for row in &found.rows {
-        let dash = || "-".to_owned();
-        let attempt = row.attempt();
-        let motion = attempt.motion.map(|motion| &found.motions[motion]);
-        let measured = motion.and_then(|motion| motion.measured.as_ref());
-        let normal = measured.and_then(Measured::loudest_along_normal);
-        let energy = measured.and_then(|measured| measured.power.as_ref()?.energy);
-        let frequency = motion.and_then(|motion| motion.ending.frequency);
-        say!(
-            "{:<13}  {:<8} {:>9.2} {:>10} {:>5}   {:>6} {:>9} {:>11} {:>11} {:>11} {:>9}",
-            row.way.name(),
-            row.way.states,
-            row.way.frequency,
-            four(row.way.growth_rate),
-            row.growth_rank,
-            attempt.motion.map_or_else(dash, |motion| (motion + 1).to_string()),
-            frequency.map_or_else(dash, |frequency| format!("{frequency:.2}")),
-            measured.map_or_else(dash, |measured| four(measured.loudest().rms)),
-            normal.and_then(|point| point.normal_rms).map_or_else(dash, four),
-            energy.map_or_else(dash, four),
-            row.loudness_rank.map_or_else(|| unranked(row), |rank| rank.to_string()),
-        );
-    }
-    say!(
-        "\nrms: root mean square of the speed of the fastest point; normal: that along the normal of a contact's surface; J a \
-         cycle: energy that friction feeds in during one period"
-    );
+    say!("\n{}", line(&words::HEAD));
+    found.rows.iter().for_each(|row| say!("{}", line(&words::cells(row, found))));
+    say!("\n{}", words::COLUMNS);
 }
 
-/// The reason why a row has no rank of loudness.
-fn unranked(row: &Row) -> String {
-    match row.attempt().ending.as_ref().map(|ending| ending.kind) {
-        None => "failed",
-        Some(Kind::Equilibrium) => "rests",
-        Some(Kind::Unbounded) => "unbounded",
-        Some(_) => "unknown",
-    }
-    .to_owned()
-}
-
-fn print_motion(place: usize, motion: &FoundMotion, found: &Found) {
-    let leads = |row: &Row| {
-        let attempt = row.attempts.iter().find(|attempt| attempt.motion == Some(place))?;
-        let push = if found.grows {
-            String::new()
-        } else {
-            format!(" pushed by {} m/s", four(attempt.push))
-        };
-        Some(format!("{}{push}", row.way.name()))
-    };
-    let names: Vec<String> = found.rows.iter().filter_map(leads).collect();
-    let FoundMotion { ending, measured, nearest } = motion;
-    let kind = match ending.kind {
-        Kind::Equilibrium => "rest",
-        kind => kind.name(),
-    };
-    let period =
-        ending.period.map_or_else(String::new, |period| format!(", period {} s", four(period)));
-    say!("\nmotion {}: {kind}{period}; from {}", place + 1, names.join(", "));
-    let Some(measured) = measured else { return };
-    if let Some(nearest) = nearest {
-        say!(
-            "  its frequency is nearest to that of mode {} ({:.2} Hz), which has {:.0} % of the kinetic energies of all modes",
-            nearest.numbers(),
-            nearest.frequency,
-            100.0 * nearest.share
-        );
-    }
-    if let Some(strongest) = motion.strongest() {
-        say!(
-            "  mode {} ({:.2} Hz) has the largest share, {:.0} %",
-            strongest.numbers(),
-            strongest.frequency,
-            100.0 * strongest.share
-        );
-    }
-    let states = measured.states.iter();
-    let states = states.map(|taken| format!("{} {:.1} %", taken.states, 100.0 * taken.share));
-    say!("  contact states: {}", states.collect::<Vec<_>>().join(", "));
-    for point in &measured.points {
-        let normal = point.normal_rms.zip(point.normal_peak);
-        let normal = normal.map_or_else(String::new, |(rms, peak)| {
-            format!("; along the normal {} and {} m/s", four(rms), four(peak))
-        });
-        say!(
-            "  {}: amplitude {} m, speed {} m/s rms and {} m/s at most{normal}",
-            point.point,
-            four(point.amplitude),
-            four(point.rms),
-            four(point.peak)
-        );
-    }
-    let over = if measured.is_period { "one period" } else { "a window; the motion has no period" };
-    say!(
-        "  measured over {} s, {over}; rms to {:.0e} of itself",
-        four(measured.span),
-        measured.rms_error.max(1e-15)
-    );
-    let Some(power) = &measured.power else {
-        say!("  powers are unknown: a structure with circulatory forces has no energy ledger");
-        return;
-    };
-    for one in &power.contacts {
-        let energy =
-            one.energy.map_or_else(String::new, |energy| format!(", {} J a cycle", four(energy)));
-        say!("  {}: friction feeds in {} W{energy}", one.contact, four(one.power));
-    }
-    say!(
-        "  all contacts {} W; dampers take {} W, impacts {} W",
-        four(power.friction),
-        four(power.damping),
-        four(power.impact)
-    );
-    say!(
-        "  check: the contacts miss the energy ledger by {:.0e}, and the balance by {:.0e}, of the largest power",
-        power.mismatch.max(1e-16),
-        power.unbalanced.max(1e-16)
-    );
+fn line(cells: &[impl Display; 11]) -> String {
+    let [way, states, frequency, rate, rank, motion, of_motion, rms, normal, energy, loudness] =
+        cells;
+    format!(
+        "{way:<13}  {states:<8} {frequency:>9} {rate:>10} {rank:>5}   {motion:>6} {of_motion:>9} {rms:>11} {normal:>11} \
+         {energy:>11} {loudness:>9}"
+    )
 }

@@ -12,6 +12,7 @@ mod loudness;
 mod merge;
 pub mod orbit;
 mod perturbation;
+mod report;
 mod robustness;
 mod transient;
 
@@ -41,6 +42,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Branches(arguments) => branches::run(arguments),
         Study::Robustness(arguments) => robustness::run(arguments),
         Study::Design(arguments) => design::run(arguments),
+        Study::Report(arguments) => report::run(arguments),
         Study::Merge(arguments) => merge::run(arguments),
     }
 }

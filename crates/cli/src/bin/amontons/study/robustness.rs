@@ -9,16 +9,17 @@ use amontons::scene::Scene;
 use amontons::simulation::at_instant;
 use amontons_analysis::instant::signals_left_out;
 use amontons_analysis::robustness::{
-    Both as Found, Design, Distribution, End, Estimate, Index, Parameter, Pushes, Squeals,
-    Uncertain, both, check_runs, check_size, parameters, push_velocity, verdict,
+    Both as Found, Design, Distribution, Estimate, Index, Parameter, Pushes, Squeals, Uncertain,
+    both, check_runs, check_size, parameters, push_velocity, verdict,
 };
 use amontons_analysis::study::ObservationSettings;
 use amontons_analysis::sweep::range::ends;
 use amontons_cli::charts::robustness::{histogram, indices};
 use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
+use amontons_cli::words::robustness as words;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 #[derive(Args)]
 pub struct RobustnessArguments {
@@ -26,11 +27,8 @@ pub struct RobustnessArguments {
     pub common: StudyArguments,
     #[command(flatten)]
     pub shared: ShardArguments,
-    /// A parameter that scatters, with its distribution: uniform(A,B), triangular(A,MODE,B), normal(MEAN,SD),
-    /// lognormal(MEDIAN,SIGMA), with bounds as normal(MEAN,SD,MIN:MAX), or as a part of the scene's value, such as
-    /// normal(±10%). `*` in NAME stands for any part, and each parameter has draws of its own; may be repeated
-    #[arg(long, value_name = "NAME=DISTRIBUTION", value_parser = Uncertain::parse)]
-    pub uncertain: Vec<Uncertain>,
+    #[command(flatten)]
+    pub scatter: Scatter,
     /// Contact state, one for all contacts (Sl), one for each (Sl-St), by names (pad=St,*=Sl), or `equilibrium` [default:
     /// uniform sliding]
     #[arg(long, value_name = "STATE")]
@@ -41,9 +39,6 @@ pub struct RobustnessArguments {
     /// Number of independent scramblings, whose differences give the intervals
     #[arg(long, value_name = "R", default_value_t = 16)]
     pub scramblings: u64,
-    /// Seed of all draws; other seeds give independent results
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    pub seed: u64,
     /// Ranges of frequencies, Hz, in each of which the probability of growth is told [default: the families of frequencies in
     /// which modes grow]
     #[arg(long, value_name = "A:B,...", value_parser = ends, value_delimiter = ',')]
@@ -51,6 +46,21 @@ pub struct RobustnessArguments {
     /// Compute no Sobol indices, which take two and one more evaluation for each parameter with each draw
     #[arg(long)]
     pub no_indices: bool,
+    #[command(flatten)]
+    pub options: ObservationOptions,
+}
+
+/// What scatters, and the runs of draws.
+#[derive(Args)]
+pub struct Scatter {
+    /// A parameter that scatters, with its distribution: uniform(A,B), triangular(A,MODE,B), normal(MEAN,SD),
+    /// lognormal(MEDIAN,SIGMA), with bounds as normal(MEAN,SD,MIN:MAX), or as a part of the scene's value, such as
+    /// normal(±10%). `*` in NAME stands for any part, and each parameter has draws of its own; may be repeated
+    #[arg(long, value_name = "NAME=DISTRIBUTION", value_parser = Uncertain::parse)]
+    pub uncertain: Vec<Uncertain>,
+    /// Seed of all draws; other seeds give independent results
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
     /// Run draws too, each after a push in a random direction out of its equilibrium, and tell how probable it is that the scene
     /// squeals: the distribution of the push's largest velocity, m/s, such as uniform(0,0.1)
     #[arg(long, value_name = "DISTRIBUTION", value_parser = Distribution::parse)]
@@ -58,33 +68,24 @@ pub struct RobustnessArguments {
     /// Number of runs after pushes
     #[arg(long, value_name = "N", default_value_t = 100, requires = "pushes")]
     pub runs: u64,
-    #[command(flatten)]
-    pub options: ObservationOptions,
 }
 
 pub fn run(arguments: &RobustnessArguments) -> Result<(), Box<dyn std::error::Error>> {
-    let RobustnessArguments { common, shared, options, seed, .. } = arguments;
+    let RobustnessArguments { common, shared, options, scatter, .. } = arguments;
+    let Scatter { seed, pushes, .. } = scatter;
     let (scene, source) = found(common)?;
-    let parameters = parameters(&scene, &arguments.uncertain)?;
+    let parameters = parameters(&scene, &scatter.uncertain)?;
     check(arguments, &scene, &parameters)?;
     let mut scene = at_instant(&scene, 0.0)?;
     scene.check()?;
-    let velocity = arguments.pushes.as_ref().map(push_velocity).transpose()?;
+    let velocity = pushes.as_ref().map(push_velocity).transpose()?;
     if velocity.is_some() {
         let observation = ObservationSettings::of(&scene, &options.request())?;
         set_pace(&mut scene, common, &observation, amontons_analysis::study::pace)?;
     }
     // Said before the folder is made.
     verdict(&scene, arguments.state.as_deref())?;
-    let pushes = arguments.pushes.as_ref();
-    let pushes = pushes.map(|pushes| {
-        json!({
-            "pushes": pushes.to_string(),
-            "look": options,
-            // Each draw derives its step anew unless it is chosen.
-            "integrator": common.integrator,
-        })
-    });
+    let pushes = scatter.described(common, options);
     let described: Vec<_> = parameters.iter().map(Parameter::described).collect();
     // Other numbers of points, scramblings, bands or runs take over the pieces that are there.
     let settings = json!({
@@ -111,7 +112,7 @@ pub fn run(arguments: &RobustnessArguments) -> Result<(), Box<dyn std::error::Er
         parameters: &parameters,
         velocity,
         prepare: &prepare,
-        runs: arguments.runs,
+        runs: scatter.runs,
         seed: *seed,
         name: "run",
     });
@@ -139,7 +140,7 @@ fn check(
     scene: &Scene,
     parameters: &[Parameter],
 ) -> Result<(), Error> {
-    if parameters.is_empty() && arguments.pushes.is_none() {
+    if parameters.is_empty() && arguments.scatter.pushes.is_none() {
         return Err(Error::argument(
             "nothing varies: give --uncertain NAME=DISTRIBUTION, such as \
              --uncertain 'friction.coefficient=normal(±10%)', or --pushes",
@@ -147,11 +148,33 @@ fn check(
     }
     check_size(arguments.scramblings, arguments.points)?;
     check_options(arguments)?;
-    if arguments.pushes.is_some() {
-        check_runs(scene, arguments.runs)?;
+    arguments.scatter.check(scene)?;
+    tell_notes(&arguments.common, scene, parameters);
+    Ok(())
+}
+
+impl Scatter {
+    /// Refuses runs that are impossible in a scene.
+    pub fn check(&self, scene: &Scene) -> Result<(), Error> {
+        if self.pushes.is_some() { check_runs(scene, self.runs) } else { Ok(()) }
     }
+
+    /// All that runs depend on, as a journal identifies it; `None` without pushes.
+    pub fn described(
+        &self,
+        common: &StudyArguments,
+        options: &ObservationOptions,
+    ) -> Option<Value> {
+        let pushes = self.pushes.as_ref();
+        // Each draw derives its step anew unless it is chosen.
+        pushes.map(|pushes| json!({ "pushes": pushes.to_string(), "look": options, "integrator": common.integrator }))
+    }
+}
+
+/// Notes what a person may not expect of draws.
+pub fn tell_notes(common: &StudyArguments, scene: &Scene, parameters: &[Parameter]) {
     for parameter in parameters {
-        let is_set = arguments.common.set.iter().any(|(name, _)| name == parameter.name());
+        let is_set = common.set.iter().any(|(name, _)| name == parameter.name());
         if is_set && !parameter.is_relative {
             eprintln!(
                 "note: {} takes the values of --uncertain, not that of --set",
@@ -165,7 +188,6 @@ fn check(
     if let Some(left_out) = signals_left_out(scene, 0.0) {
         eprintln!("note: {left_out}");
     }
-    Ok(())
 }
 
 /// Refuses options that would change nothing: those of runs without pushes, and those of draws without parameters that scatter.
@@ -189,12 +211,12 @@ fn check_options(arguments: &RobustnessArguments) -> Result<(), Error> {
     let idle = |options: &[(&'static str, bool)]| {
         options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name)
     };
-    if let Some(name) = idle(&of_runs).filter(|_| arguments.pushes.is_none()) {
+    if let Some(name) = idle(&of_runs).filter(|_| arguments.scatter.pushes.is_none()) {
         return Err(Error::argument(format!(
             "{name} is for runs after pushes, and eigenvalues do not depend on it: leave it out, or give --pushes"
         )));
     }
-    if let Some(name) = idle(&of_draws).filter(|_| arguments.uncertain.is_empty()) {
+    if let Some(name) = idle(&of_draws).filter(|_| arguments.scatter.uncertain.is_empty()) {
         return Err(Error::argument(format!(
             "{name} is for eigenvalues of draws, and no parameter scatters: leave it out, or give --uncertain"
         )));
@@ -288,7 +310,7 @@ fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArgument
         1 => "1 parameter scatters".to_owned(),
         count => format!("{count} parameters scatter"),
     };
-    say!("{}: {counted}; seed {}", scene.name, arguments.seed);
+    say!("{}: {counted}; seed {}", scene.name, arguments.scatter.seed);
     let widest = parameters.iter().map(|parameter| parameter.name().len()).max().unwrap_or(0);
     for parameter in parameters {
         say!(
@@ -310,25 +332,13 @@ fn print(scene: &Scene, parameters: &[Parameter], arguments: &RobustnessArgument
             None => "there is no equilibrium in sliding".to_owned(),
         };
         say!("  with the scene's own values {nominal}");
-        say!("  P(unstable)        {}", percent(&found.unstable));
-        say!("  P(stable)          {}", percent(&found.stable));
-        say!("  P(no equilibrium)  {}", percent(&found.no_equilibrium));
-        for band in &found.bands {
-            let [from, to] = band.frequencies;
-            let range = match to {
-                0.0 => "without oscillation".to_owned(),
-                _ => format!("from {from:.1} to {to:.1} Hz"),
-            };
-            say!("  P(growth {range})  {}", percent(&band.unstable));
+        for (name, estimate) in words::probabilities(found) {
+            say!("  {name:<17}  {}", words::percent(&estimate));
         }
         if !arguments.no_indices {
-            let why = if found.no_equilibrium.value > 0.0 {
-                "draws without equilibrium have none"
-            } else {
-                "it does not vary, or one of the points that indices need besides the draws has no equilibrium"
-            };
+            let why = words::growth_without_indices(found);
             print_indices("the largest growth rate", parameters, found.of_growth.as_deref(), why);
-            let why = "fewer than 32 points are unstable, or stable; more --points may have more";
+            let why = words::INSTABILITY_WITHOUT_INDICES;
             print_indices("instability", parameters, found.of_instability.as_deref(), why);
         }
     }
@@ -347,39 +357,18 @@ fn print_indices(of: &str, parameters: &[Parameter], indices: Option<&[Index]>, 
     let widest = parameters.iter().map(|parameter| parameter.name().len()).max().unwrap_or(0);
     say!("  {:<widest$}  {:<27}  with all others", "", "by itself");
     for (parameter, Index { first, total }) in parameters.iter().zip(indices) {
-        say!("  {:<widest$}  {:<27}  {}", parameter.name(), part(first), part(total));
+        say!("  {:<widest$}  {:<27}  {}", parameter.name(), words::part(first), words::part(total));
     }
 }
 
 fn print_runs(arguments: &RobustnessArguments, runs: &Squeals) {
-    let pushes = arguments.pushes.as_ref().map(ToString::to_string).unwrap_or_default();
+    let pushes = arguments.scatter.pushes.as_ref().map(ToString::to_string).unwrap_or_default();
     say!("\n{} runs after pushes of {pushes} m/s in random directions", runs.runs.len());
-    for end in [End::Rests, End::Squeals, End::NotSettled, End::NoEquilibrium, End::Failed] {
-        let count = runs.count(end);
-        if count > 0 || matches!(end, End::Rests | End::Squeals | End::NotSettled) {
-            say!("  {count:>6}  {}", end.name());
-        }
+    for (count, end) in words::ends(runs) {
+        say!("  {count:>6}  {end}");
     }
-    let Estimate { value, low, high } = runs.probability;
-    let value = if runs.at_most > value {
-        format!("{:.2} to {:.2}", 100.0 * value, 100.0 * runs.at_most)
-    } else {
-        format!("{:.2}", 100.0 * value)
-    };
-    say!("  P(squeals)  {value} %  ({:.2} to {:.2})", 100.0 * low, 100.0 * high);
+    say!("  P(squeals)  {}", words::squeal(runs));
     if let Some(failure) = runs.runs.iter().find_map(|run| run.failure.as_ref()) {
         eprintln!("note: the first failed run: {failure}");
     }
-}
-
-/// A probability and its interval in per cent.
-fn percent(estimate: &Estimate) -> String {
-    let [value, low, high] =
-        [estimate.value, estimate.low, estimate.high].map(|value| 100.0 * value);
-    format!("{value:.4} %  ({low:.4} to {high:.4})")
-}
-
-/// A part and its interval.
-fn part(estimate: &Estimate) -> String {
-    format!("{:.4}  ({:.4} to {:.4})", estimate.value, estimate.low, estimate.high)
 }

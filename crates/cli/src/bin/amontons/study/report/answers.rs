@@ -1,0 +1,332 @@
+//! The answers at the start of the page: a few sentences, each with its numbers.
+
+use super::Report;
+use super::changes::{Change, Onset};
+use super::sections::{self, sentence};
+use super::sliding::{Found, OverFriction};
+use amontons_analysis::robustness::Estimate;
+use amontons_analysis::stability::{CriticalFriction, Mode};
+use amontons_analysis::study::Kind;
+use amontons_analysis::study::loudness::{FoundMotion, Loudness, Measured};
+use amontons_cli::words::robustness as words;
+use amontons_cli::words::{at_frequency, digits, four};
+use amontons_export::documentation::counted;
+use amontons_pictures::picture::prefixed;
+use amontons_pictures::report::Answer;
+
+/// Growing modes that are named.
+const NAMED: usize = 4;
+/// A growth rate below this part of an eigenvalue is zero but for rounding.
+const ROUNDING: f64 = 1e-9;
+/// Changes that are named.
+const MOST_CHANGES: usize = 3;
+
+pub fn answers(report: &Report<'_>) -> Vec<Answer> {
+    let answer = |question: &str, text: Vec<String>, section: &str| Answer {
+        question: question.to_owned(),
+        text,
+        section: section.to_owned(),
+    };
+    vec![
+        answer(sections::SQUEAL, squeal(report), sections::SQUEAL),
+        answer(sections::LOUD, loud(report), sections::LOUD),
+        answer(sections::PROBABLE, probable(report), sections::PROBABLE),
+        answer(sections::CHANGE, change(report), sections::CHANGE),
+    ]
+}
+
+fn squeal(report: &Report<'_>) -> Vec<String> {
+    let found = match &report.sliding.found {
+        Ok(found) => found,
+        Err(reason) => return vec![format!("Unknown: {reason}.")],
+    };
+    let growing = found.growing();
+    let mut said = if growing.is_empty() { quiet(report, found) } else { vec![grows(&growing)] };
+    if let Ok(over) = &report.sliding.over_friction {
+        let own = report.still.friction_coefficient;
+        let below = over.critical.iter().rev().find(|one| one.becomes_unstable && one.value <= own);
+        let above = over.critical.iter().find(|one| one.becomes_unstable && one.value > own);
+        let told = |value: f64| digits(value, 4);
+        said.push(match (growing.is_empty(), below, above) {
+            (false, Some(one), _) => format!(
+                "Growth begins at µ = {}; the scene has µ = {}.",
+                told(one.value),
+                told(own)
+            ),
+            (true, _, Some(one)) => format!(
+                "A mode begins to grow at µ = {} ({}); the scene has µ = {}.",
+                told(one.value),
+                at_frequency(one.frequency_hz),
+                told(own)
+            ),
+            (true, _, None) => format!("No mode begins to grow up to µ = {}.", told(over.end)),
+            (false, None, _) => {
+                let ceases = |one: &&CriticalFriction| !one.becomes_unstable && one.value > own;
+                let end = over.critical.iter().find(ceases);
+                let end = end.map_or_else(String::new, |end| {
+                    format!("; growth ceases at µ = {}", told(end.value))
+                });
+                format!("The scene has µ = {}. A mode grows at smaller µ, too{end}.", told(own))
+            }
+        });
+    }
+    said
+}
+
+fn grows(growing: &[(usize, &Mode)]) -> String {
+    let one = |(number, mode): &(usize, &Mode)| {
+        format!(
+            "mode {number} {}, by {} 1/s (tenfold in {})",
+            at_frequency(mode.frequency_hz()),
+            four(mode.growth_rate()),
+            prefixed(three(std::f64::consts::LN_10 / mode.growth_rate()), "s")
+        )
+    };
+    let named: Vec<String> = growing.iter().take(NAMED).map(one).collect();
+    let more = match growing.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!("; and {more} more"),
+    };
+    let count = counted(growing.len(), "mode grows", "modes grow");
+    format!("Yes. Uniform sliding is unstable: {count}, {}{more}.", named.join("; "))
+}
+
+/// The answer where no mode grows: a push may lead to a motion, or none was found.
+fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
+    let slowest = found.leading().map_or_else(String::new, |(number, mode)| {
+        let at = at_frequency(mode.frequency_hz());
+        let rate = -mode.growth_rate();
+        // Damping that rounding alone makes is none.
+        if rate <= ROUNDING * mode.eigenvalue.norm() {
+            format!("the least stable one, mode {number} {at}, neither grows nor decays, since nothing damps it")
+        } else {
+            format!("the least stable one, mode {number} {at}, decays by {} 1/s", four(rate))
+        }
+    });
+    let stable = format!("No mode of uniform sliding grows; {slowest}.");
+    let Ok(loud) = &report.loudness else {
+        return vec![format!(
+            "Not by itself. {stable} It is unknown if a push starts a lasting motion."
+        )];
+    };
+    let loud = &loud.found;
+    if let Some(least) = least_push(loud) {
+        return vec![
+            format!("A push can make it squeal. {stable}"),
+            format!(
+                "The smallest push along a candidate that led to a lasting motion has {} m/s.",
+                four(least)
+            ),
+        ];
+    }
+    let unknown = loud.rows.iter().any(|row| row.attempts.iter().any(|one| one.motion.is_none()));
+    let tried = match (loud.rows.len(), unknown) {
+        (0, _) if loud.unexamined.is_some() => {
+            "Candidates for a second motion were not looked for, so it is unknown if a push starts one.".to_owned()
+        }
+        (0, _) => "No candidate for a second motion was found.".to_owned(),
+        (count, false) => format!(
+            "Pushes along {} came to rest, which does not exclude a lasting motion.",
+            counted(count, "candidate", "candidates")
+        ),
+        (_, true) => "Some motions after pushes had not settled, so it is unknown if they last.".to_owned(),
+    };
+    vec![format!("No squeal was found. {stable}"), tried]
+}
+
+/// The smallest push, m/s, that led to a motion which lasts.
+fn least_push(loud: &Loudness) -> Option<f64> {
+    let moves = |motion: usize| loud.motions[motion].ending.kind != Kind::Equilibrium;
+    let attempts = loud.rows.iter().flat_map(|row| &row.attempts);
+    let moving = attempts.filter(|attempt| attempt.motion.is_some_and(moves));
+    moving.map(|attempt| attempt.push).min_by(f64::total_cmp)
+}
+
+fn loud(report: &Report<'_>) -> Vec<String> {
+    let found = match &report.loudness {
+        Ok(loud) => &loud.found,
+        Err(reason) => return vec![format!("Unknown: {reason}.")],
+    };
+    if found.rows.is_empty() {
+        return vec!["There is no motion whose loudness could be told.".to_owned()];
+    }
+    let Some((motion, measured)) = loudest(found) else {
+        let mut said: Vec<String> = found.findings.iter().map(|said| sentence(said)).collect();
+        said.truncate(MOST_CHANGES);
+        if said.is_empty() {
+            said.push("No motion that lasts was found.".to_owned());
+        }
+        return said;
+    };
+    let point = measured.loudest();
+    let at = motion.ending.frequency;
+    let at = at.map_or_else(String::new, |frequency| format!(" at {frequency:.2} Hz"));
+    let mut said = vec![format!(
+        "The motion is {}{at}. Its fastest point, {}, moves with {} m/s rms and {} m/s at most, and an amplitude of {}.",
+        motion.ending.kind.name(),
+        point.point,
+        four(point.rms),
+        four(point.peak),
+        prefixed(three(point.amplitude), "m")
+    )];
+    if let Some(power) = &measured.power {
+        said.push(format!("Friction feeds {} W into it.", four(power.friction)));
+    }
+    let others = found.motions.iter().filter(|motion| motion.measured.is_some()).count() - 1;
+    if others > 0 {
+        said.push(format!(
+            "{} besides {} quieter.",
+            counted(others, "motion", "motions"),
+            if others == 1 { "is" } else { "are" }
+        ));
+    }
+    let of_modes = || report.sliding.found.as_ref().ok().map(Found::growing);
+    if let (true, Some(nearest), Some(growing)) = (found.grows, &motion.nearest, of_modes())
+        && !growing.iter().any(|(number, _)| nearest.modes.contains(number))
+    {
+        said.push(format!(
+            "This is near mode {} ({:.2} Hz), which decays in uniform sliding, and not near a growing mode.",
+            nearest.numbers(),
+            nearest.frequency
+        ));
+    }
+    said
+}
+
+/// The loudest motion that was measured.
+pub fn loudest(found: &Loudness) -> Option<(&FoundMotion, &Measured)> {
+    let measured = found.motions.iter().filter_map(|one| Some((one, one.measured.as_ref()?)));
+    measured.max_by(|a, b| a.1.loudest().rms.total_cmp(&b.1.loudest().rms))
+}
+
+fn probable(report: &Report<'_>) -> Vec<String> {
+    let mut said = Vec::new();
+    let scatter = match (report.assumptions.is_assumed, report.parameters.len()) {
+        (true, 1) => "If friction scatters by ±10 % (an assumption)".to_owned(),
+        (true, count) if report.assumptions.is_friction_alone => {
+            format!("If {count} friction coefficients scatter by ±10 % (an assumption)")
+        }
+        (true, _) => {
+            "If friction scatters by ±10 %, and each mass and stiffness by ±5 % (assumptions)"
+                .to_owned()
+        }
+        (false, count) => {
+            format!("With the scatter given for {}", counted(count, "parameter", "parameters"))
+        }
+    };
+    if let Some(found) = &report.robustness.eigenvalues {
+        let Estimate { value, low, high } = found.unstable;
+        let [value, low, high] = [value, low, high].map(|part| 100.0 * part);
+        let probability = if value == 0.0 {
+            format!("in none of {} draws (95 % interval up to {high:.4} %)", found.draws)
+        } else if value == 100.0 {
+            format!("in all of {} draws (95 % interval from {low:.4} %)", found.draws)
+        } else {
+            format!("with a probability of {value:.1} % (95 % interval {low:.1} to {high:.1} %)")
+        };
+        said.push(format!("{scatter}, uniform sliding is unstable {probability}."));
+        if found.no_equilibrium.value > 0.0 {
+            said.push(format!(
+                "{:.1} % of the draws have no equilibrium in sliding.",
+                100.0 * found.no_equilibrium.value
+            ));
+        }
+        let indices = found.of_growth.iter().flatten();
+        let largest = report.parameters.iter().zip(indices);
+        let largest = largest.max_by(|a, b| a.1.first.value.total_cmp(&b.1.first.value));
+        if let Some((parameter, index)) = largest.filter(|one| one.1.first.value > 0.0) {
+            said.push(format!(
+                "The scatter of {} matters most: if its value were known, the variance of the growth rate would be smaller by {:.0} %.",
+                parameter.name(),
+                100.0 * index.first.value
+            ));
+        }
+    }
+    if let Some(runs) = &report.robustness.runs {
+        let pushes = report.arguments.scatter.pushes.as_ref();
+        said.push(format!(
+            "After a push of {} m/s it squeals with a probability of {}, an interval of 95 %.",
+            pushes.map(ToString::to_string).unwrap_or_default(),
+            words::squeal(runs)
+        ));
+    }
+    if said.is_empty() {
+        said.push("Unknown: no parameter scatters.".to_owned());
+    }
+    said
+}
+
+fn change(report: &Report<'_>) -> Vec<String> {
+    let found = match &report.sliding.found {
+        Ok(found) => found,
+        Err(reason) => return vec![format!("Unknown: {reason}.")],
+    };
+    let large = |change: &&Change| change.is_large() && change.parameters.len() == 1;
+    let mut single: Vec<&Change> = found.changes.iter().filter(large).collect();
+    let is_stable = found.growing().is_empty();
+    // The largest growth rate alone tells little of changes after which no mode grows.
+    let order = |change: &Change| match change.onset {
+        Onset::NotSought => change.computed.unwrap_or(f64::INFINITY),
+        onset => -onset.order(),
+    };
+    single.sort_by(|a, b| order(a).total_cmp(&order(b)));
+    let Some((_, leading)) = found.leading() else {
+        return vec!["Unknown: uniform sliding has no mode.".to_owned()];
+    };
+    if single.is_empty() {
+        return vec![match &found.sensitivities {
+            Ok(_) => "No change of a single parameter moves the growth rate of the leading mode."
+                .to_owned(),
+            Err(reason) => format!("Unknown: {reason}."),
+        }];
+    }
+    let now = four(leading.growth_rate());
+    let result = |change: &Change| match change.computed {
+        None => "there is no equilibrium".to_owned(),
+        Some(rate) => {
+            let grows = if change.growing == 0 { "no mode grows" } else { "a mode still grows" };
+            let growth = format!("{} 1/s, {grows}", four(rate));
+            match change.onset {
+                Onset::NotSought => growth,
+                Onset::At(onset) => {
+                    format!("{growth}; growth begins at µ = {}", digits(onset, 4))
+                }
+                Onset::Above(end) => format!("{growth} up to µ = {}", digits(end, 4)),
+            }
+        }
+    };
+    let squeals = report.loudness.as_ref().is_ok_and(|loud| least_push(&loud.found).is_some());
+    let stable = if squeals {
+        "Uniform sliding is stable as it is. Which change prevents the motion after a push is unknown; what widens the margin of uniform \
+         sliding is known."
+    } else {
+        "Nothing needs to change for uniform sliding to be stable."
+    };
+    let next = report.sliding.over_friction.as_ref().ok().and_then(OverFriction::next);
+    let mut said = vec![match (is_stable, next) {
+        (false, _) => format!(
+            "The largest growth rate is {now} 1/s. These changes of one parameter lower it most, computed anew:"
+        ),
+        (true, Some(next)) => format!(
+            "{stable} A mode begins to grow at µ = {}; these changes of one parameter \
+             raise this µ most, computed anew:",
+            digits(next.value, 4)
+        ),
+        (true, None) => format!(
+            "{stable} The largest growth rate is {now} 1/s; these changes lower it most, \
+             computed anew:"
+        ),
+    }];
+    let one = |change: &&Change| format!("{}: {}", change.name(), result(change));
+    said.extend(single.iter().take(MOST_CHANGES).map(one));
+    let together = found.changes.iter().find(|one| one.is_large() && one.parameters.len() > 1);
+    if let Some(change) = together {
+        said.push(format!("All at once, {}: {}.", change.name(), result(change)));
+    }
+    said
+}
+
+/// A value to three digits.
+fn three(value: f64) -> f64 {
+    amontons::decimal::to_significant(value, 3)
+}

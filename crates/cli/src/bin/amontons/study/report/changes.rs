@@ -1,0 +1,192 @@
+//! Changes of the most effective parameters, with the growth rate that derivatives predict and the one that eigenvalues have.
+
+use amontons::Error;
+use amontons::scene::Scene;
+use amontons_analysis::assign::assign;
+use amontons_analysis::robustness::{Verdict, verdict};
+use amontons_analysis::stability::{CriticalFriction, ModeSensitivity, Sensitivities};
+use amontons_cli::words::digits;
+use amontons_cli::words::sensitivity::{
+    CHANGE, Effect, by_growth, critical_effects, merging_effects, mode_effects,
+};
+use serde::Serialize;
+use std::fmt;
+
+/// Number of parameters that are changed.
+const CHANGED: usize = 4;
+/// Changes, in parts of a parameter.
+const PARTS: [f64; 2] = [0.05, 0.10];
+
+/// A change of one parameter, or of several at once.
+#[derive(Clone, Debug, Serialize)]
+pub struct Change {
+    /// Each parameter with its change, in parts of its value.
+    pub parameters: Vec<(String, f64)>,
+    /// The growth rate that the derivatives of the leading mode predict, 1/s; `None` if they are not known, or hold only for much
+    /// smaller changes.
+    pub predicted: Option<f64>,
+    /// The largest growth rate of all modes after the change, 1/s; `None` if there is no equilibrium.
+    pub computed: Option<f64>,
+    /// The number of modes that grow after the change.
+    pub growing: usize,
+    /// The least µ at which a mode begins to grow after the change.
+    pub onset: Onset,
+}
+
+/// The least µ at which a mode begins to grow.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Onset {
+    /// It is not known.
+    NotSought,
+    /// This µ.
+    At(f64),
+    /// No mode begins to grow up to this µ.
+    Above(f64),
+}
+
+impl Onset {
+    /// A value by which onsets have an order.
+    pub fn order(self) -> f64 {
+        match self {
+            Self::NotSought => f64::NEG_INFINITY,
+            Self::At(value) => value,
+            Self::Above(_) => f64::INFINITY,
+        }
+    }
+}
+
+impl fmt::Display for Onset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotSought => f.write_str("–"),
+            Self::At(value) => f.write_str(&digits(*value, 4)),
+            Self::Above(value) => write!(f, "above {}", digits(*value, 4)),
+        }
+    }
+}
+
+impl Change {
+    /// The change in words: `mass.disc.mass −5 %`.
+    pub fn name(&self) -> String {
+        let one = |(name, part): &(String, f64)| format!("{name} {:+} %", (100.0 * part).round());
+        let all: Vec<String> = self.parameters.iter().map(one).collect();
+        all.join(", ").replace('-', "−")
+    }
+
+    /// `true` if it is the largest change.
+    pub fn is_large(&self) -> bool {
+        self.parameters.iter().all(|(_, part)| part.abs() == PARTS[1])
+    }
+}
+
+/// A parameter that may be changed, with the way in which the mode's growth rate falls.
+struct Lever {
+    name: String,
+    value: f64,
+    /// 1 or −1.
+    way: f64,
+    /// The change of the growth rate for this change by one part of the parameter, 1/s.
+    slope: Option<f64>,
+}
+
+/// Finds the least µ at which a mode of a scene begins to grow.
+type OnsetOf<'a> = dyn Fn(&Scene) -> Onset + 'a;
+
+/// Changes of the parameters that are most effective for the leading mode or, where there is one, for a critical µ that is to be
+/// raised: each alone by 5 and by 10 %, then all at once.
+///
+/// # Errors
+/// Returns an error if a changed scene cannot be analysed.
+pub fn changes(
+    scene: &Scene,
+    found: &Sensitivities,
+    critical: Option<&CriticalFriction>,
+    onset: &OnsetOf<'_>,
+) -> Result<Vec<Change>, Error> {
+    let Some(&leading) = by_growth(found).first() else { return Ok(Vec::new()) };
+    let levers: Vec<Lever> = levers(found, leading, critical)
+        .into_iter()
+        .filter(|lever| PARTS.iter().all(|part| changed(scene, &[(lever, *part)]).is_ok()))
+        .take(CHANGED)
+        .collect();
+    let mut all = Vec::new();
+    for lever in &levers {
+        for part in PARTS {
+            all.push(change(scene, leading, &[(lever, part)], onset)?);
+        }
+    }
+    if levers.len() > 1 {
+        for part in PARTS {
+            let together: Vec<(&Lever, f64)> = levers.iter().map(|lever| (lever, part)).collect();
+            if changed(scene, &together).is_ok() {
+                all.push(change(scene, leading, &together, onset)?);
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// The parameters by their effect on a mode, the largest first. Of a mode that is near a merging the µ of that counts.
+fn levers(
+    found: &Sensitivities,
+    mode: &ModeSensitivity,
+    critical: Option<&CriticalFriction>,
+) -> Vec<Lever> {
+    let effects: Vec<(Effect<'_>, bool)> = match (critical, &mode.merging) {
+        (Some(critical), _) => {
+            critical_effects(critical).into_iter().map(|effect| (effect, true)).collect()
+        }
+        (None, Some(merging)) => {
+            merging_effects(found, merging).into_iter().map(|effect| (effect, true)).collect()
+        }
+        (None, None) => {
+            mode_effects(found, mode).into_iter().map(|effect| (effect, false)).collect()
+        }
+    };
+    let lever = |(effect, is_of_friction): &(Effect<'_>, bool)| {
+        let change = effect.largest()[0];
+        if effect.is_by_unit() || change == 0.0 {
+            return None;
+        }
+        // A merging, or a beginning of growth, at a larger µ is farther away.
+        let way = if *is_of_friction { change.signum() } else { -change.signum() };
+        let rates = effect.changes.iter().map(|one| way * one[0] / CHANGE);
+        let slope = (!is_of_friction).then(|| rates.fold(f64::NEG_INFINITY, f64::max));
+        let parameter = effect.parameter;
+        Some(Lever { name: parameter.name.clone(), value: parameter.value, way, slope })
+    };
+    effects.iter().filter_map(lever).collect()
+}
+
+/// The scene after changes by parts.
+fn changed(scene: &Scene, levers: &[(&Lever, f64)]) -> Result<Scene, Error> {
+    let mut scene = scene.clone();
+    for (lever, part) in levers {
+        assign(&mut scene, &lever.name, lever.value + lever.way * part * lever.value.abs())?;
+    }
+    scene.check()?;
+    Ok(scene)
+}
+
+fn change(
+    scene: &Scene,
+    mode: &ModeSensitivity,
+    levers: &[(&Lever, f64)],
+    onset: &OnsetOf<'_>,
+) -> Result<Change, Error> {
+    let changed = changed(scene, levers)?;
+    let Verdict { growth, growing } = verdict(&changed, None)?;
+    let slopes = levers.iter().map(|(lever, part)| Some(lever.slope? * part));
+    let predicted = slopes.sum::<Option<f64>>().map(|change| mode.growth_rate() + change);
+    Ok(Change {
+        parameters: levers
+            .iter()
+            .map(|(lever, part)| (lever.name.clone(), lever.way * part))
+            .collect(),
+        predicted,
+        computed: growth,
+        growing: growing.len(),
+        onset: onset(&changed),
+    })
+}

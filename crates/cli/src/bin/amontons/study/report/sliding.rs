@@ -1,0 +1,222 @@
+//! Uniform sliding: its modes, its modes over µ, and the derivatives of those that grow.
+
+use super::changes::{Change, Onset, changes};
+use amontons::Error;
+use amontons::contact::ContactState;
+use amontons::decimal::to_significant;
+use amontons::scene::Scene;
+use amontons_analysis::assign::{FRICTION, assign};
+use amontons_analysis::patterns::in_words;
+use amontons_analysis::stability::candidates::equilibrium_ranges;
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, locus};
+use amontons_analysis::stability::{
+    CriticalFriction, Linearised, Mode, Modes, Sensitivities, critical_friction, modes,
+    sensitivities,
+};
+use serde_json::{Value, json};
+
+/// Number of steps of a locus; a critical µ is located between two of its values.
+const STEPS: u32 = 200;
+/// End of a locus in parts of the scene's µ.
+const BEYOND: f64 = 1.5;
+/// The most degrees of freedom of which modes are followed over µ.
+const MOST_FOLLOWED: usize = 200;
+/// The most modes that are followed over µ for each change of a parameter.
+const MOST_CHANGED: usize = 40;
+/// Modes whose frequencies are this near, in parts of themselves, belong to the bounds that were asked for.
+const ROUNDING: f64 = 1e-9;
+
+/// Uniform sliding of a scene.
+pub struct Sliding {
+    /// The contact states, in words.
+    pub state: String,
+    /// The modes and what follows from them; the reason if there is no equilibrium, or modes are not found.
+    pub found: Result<Found, String>,
+    pub over_friction: Result<OverFriction, String>,
+}
+
+/// The modes of uniform sliding.
+pub struct Found {
+    pub modes: Modes,
+    /// The modes that grow, or the least stable one, with their derivatives.
+    pub sensitivities: Result<Sensitivities, String>,
+    /// Changes of the most effective parameters.
+    pub changes: Vec<Change>,
+}
+
+/// The modes over the common µ.
+pub struct OverFriction {
+    pub locus: Locus,
+    pub critical: Vec<CriticalFriction>,
+    /// The scene's µ.
+    own: f64,
+    /// The last value of µ.
+    pub end: f64,
+    /// `true` if larger values are impossible, or have no equilibrium.
+    pub is_cut: bool,
+}
+
+impl Found {
+    /// The modes with their numbers, from 1.
+    pub fn numbered(&self) -> impl Iterator<Item = (usize, &Mode)> {
+        (1..).zip(self.modes.all())
+    }
+
+    /// The modes that grow, the fastest first.
+    pub fn growing(&self) -> Vec<(usize, &Mode)> {
+        let mut growing: Vec<_> =
+            self.numbered().filter(|(_, mode)| mode.growth_rate() > 0.0).collect();
+        growing.sort_by(|a, b| b.1.growth_rate().total_cmp(&a.1.growth_rate()));
+        growing
+    }
+
+    /// The mode that grows fastest, or decays most slowly.
+    pub fn leading(&self) -> Option<(usize, &Mode)> {
+        self.numbered().max_by(|a, b| a.1.growth_rate().total_cmp(&b.1.growth_rate()))
+    }
+}
+
+impl OverFriction {
+    /// The critical µ next above the scene's, at which a mode begins to grow.
+    pub fn next(&self) -> Option<&CriticalFriction> {
+        self.critical.iter().find(|one| one.becomes_unstable && one.value > self.own)
+    }
+
+    /// The least µ of the same range at which a mode of a changed scene begins to grow.
+    fn onset(&self, scene: &Scene, states: &[ContactState]) -> Onset {
+        if self.locus.branches.len() > MOST_CHANGED {
+            return Onset::NotSought;
+        }
+        let here = |value: f64| {
+            let mut scene = scene.clone();
+            assign(&mut scene, FRICTION, value)?;
+            Ok(Linearised::of(&scene))
+        };
+        match locus(&here, states, &self.locus.values, ALL_FREQUENCIES, &|_, _| {}) {
+            Err(_) => Onset::NotSought,
+            Ok(found) if found.branches.iter().any(|branch| branch[0].lambda.re > 0.0) => {
+                Onset::NotSought
+            }
+            Ok(found) => {
+                let first = found.crossings.iter().find(|one| one.becomes_unstable);
+                first.map_or(Onset::Above(self.end), |first| Onset::At(first.value))
+            }
+        }
+    }
+}
+
+impl Sliding {
+    /// # Errors
+    /// Returns an error if no surface moves.
+    pub fn of(scene: &Scene) -> Result<Self, Error> {
+        let here = Linearised::of(scene);
+        let states = here.uniform_sliding()?;
+        let words = |error: Error| error.to_string();
+        let over_friction = over_friction(scene, &states);
+        let mut found = found(&here, &states).map_err(words);
+        if let Ok(found) = &mut found
+            && let Ok(sensitivities) = &found.sensitivities
+        {
+            let over = over_friction.as_ref().ok();
+            let next = over.filter(|_| !found.modes.unstable()).and_then(|over| over.next());
+            let onset =
+                |scene: &Scene| over.map_or(Onset::NotSought, |over| over.onset(scene, &states));
+            found.changes = changes(scene, sensitivities, next, &onset)?;
+        }
+        Ok(Self { state: in_words(&states, scene), found, over_friction })
+    }
+
+    pub fn as_json(&self) -> Value {
+        let mode = |(number, mode): (usize, &Mode)| {
+            json!({
+                "number": number,
+                "frequency": mode.frequency_hz(),
+                "growth_rate": mode.growth_rate(),
+                "damping_ratio": mode.damping_ratio(),
+            })
+        };
+        let found = self.found.as_ref();
+        let critical = self.over_friction.as_ref().map(|over| {
+            let each = over.critical.iter().map(|one| {
+                json!({
+                    "friction": one.value,
+                    "frequency": one.frequency_hz,
+                    "becomes_unstable": one.becomes_unstable,
+                })
+            });
+            each.collect::<Vec<Value>>()
+        });
+        json!({
+            "state": self.state,
+            "modes": found.map(|found| found.numbered().map(mode).collect::<Vec<Value>>()).ok(),
+            "unknown": found.err(),
+            "critical": critical.ok(),
+            "changes": found.map(|found| &found.changes).ok(),
+        })
+    }
+}
+
+fn found(here: &Linearised, states: &[ContactState]) -> Result<Found, Error> {
+    here.equilibrium()?;
+    let modes = modes(here.linear()?, states)?;
+    let mut found = Found { modes, sensitivities: Err(String::new()), changes: Vec::new() };
+    let leading = found.leading().ok_or_else(|| {
+        Error::analysis("no motion is possible in uniform sliding, so it has no modes")
+    })?;
+    let of = match &found.growing()[..] {
+        [] => vec![leading.1.frequency_hz()],
+        growing => growing.iter().map(|(_, mode)| mode.frequency_hz()).collect(),
+    };
+    let [low, high] = amontons::numerics::range(of);
+    let bounds = [low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)];
+    let sensitivities = sensitivities(here, states, bounds, &|_, _| {});
+    found.sensitivities = sensitivities.map_err(|error| error.to_string());
+    Ok(found)
+}
+
+/// The modes from µ = 0 to one and a half times the scene's µ, or as far as uniform sliding has an equilibrium.
+fn over_friction(scene: &Scene, states: &[ContactState]) -> Result<OverFriction, String> {
+    if !scene.has_common_friction() {
+        return Err(
+            "no contact has the common friction coefficient, so that there is no single µ to vary"
+                .into(),
+        );
+    }
+    let dofs = Linearised::of(scene).model().dofs();
+    if dofs > MOST_FOLLOWED {
+        return Err(format!(
+            "with {dofs} degrees of freedom the modes are not followed over µ here; `amontons-stability locus` does it"
+        ));
+    }
+    let own = scene.friction_coefficient;
+    // A round number is one that a command line can have.
+    let last = if own == 0.0 { 1.0 } else { to_significant(BEYOND * own, 12) };
+    let with = |value: f64| {
+        let mut scene = scene.clone();
+        assign(&mut scene, FRICTION, value)?;
+        scene.check()?;
+        Ok::<Scene, Error>(scene)
+    };
+    let here = |value: f64| Ok(Linearised::of(&with(value)?));
+    let is_possible = |value: f64| here(value)?.equilibrium_in(states).map(|_| ());
+    let ranges = equilibrium_ranges(&is_possible, &values(0.0, last));
+    let holds_own = |range: &&[f64; 2]| range[0] <= own && own <= range[1];
+    let Some(&[from, to]) = ranges.iter().find(holds_own) else {
+        return Err("uniform sliding has no equilibrium at the scene's µ".into());
+    };
+    if to <= from {
+        return Err("uniform sliding has an equilibrium at the scene's µ alone".into());
+    }
+    let words = |error: Error| format!("the modes cannot be followed over µ: {error}");
+    let values = values(from, to);
+    let locus = locus(&here, states, &values, ALL_FREQUENCIES, &|_, _| {}).map_err(words)?;
+    let critical = critical_friction(scene, states, [from, to], ALL_FREQUENCIES, &|_, _| {});
+    let critical = critical.map_err(words)?;
+    Ok(OverFriction { locus, critical, own, end: to, is_cut: to < last })
+}
+
+/// Values of µ as a critical µ is sought among.
+fn values(from: f64, to: f64) -> Vec<f64> {
+    let part = |i: u32| f64::from(i) / f64::from(STEPS);
+    (0..=STEPS).map(|i| from + (to - from) * part(i)).collect()
+}
