@@ -76,13 +76,20 @@ impl Structure<'_> {
     /// # Errors
     /// Returns an error if the state cannot be analysed.
     pub(super) fn fastest_at(&self, changes: &[f64], place: Place) -> Result<Option<Found>, Error> {
+        Ok(fastest(&self.spectrum(changes, place)?))
+    }
+
+    /// All modes at a place after these changes.
+    ///
+    /// # Errors
+    /// Returns an error if the state cannot be analysed.
+    pub(super) fn spectrum(&self, changes: &[f64], place: Place) -> Result<Vec<Found>, Error> {
         self.watch.check()?;
         let here = self.model(changes, place.friction)?;
         let Spectrum { oscillating, real } =
             Spectrum::of(here.linear()?, &self.patterns[place.pattern])?;
         let all = oscillating.into_iter().chain(real.into_iter().map(Complex::from));
-        let found = all.map(|eigenvalue| Found { place, eigenvalue }).collect::<Vec<_>>();
-        Ok(fastest(&found))
+        Ok(all.map(|eigenvalue| Found { place, eigenvalue }).collect())
     }
 
     /// All modes of all contact states at these friction coefficients, in the order of these.

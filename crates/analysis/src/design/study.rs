@@ -35,7 +35,7 @@ pub struct DesignQuestion<'a> {
     pub range: [f64; 2],
     /// No mode may have a growth rate above the negative of this, 1/s.
     pub margin: f64,
-    /// Number of starts of the search; the first one is the scene itself.
+    /// Number of starts of the search: the scene itself, all values at their lower bounds, all at their upper ones, random ones.
     pub starts: usize,
     /// The seed of the other starts.
     pub seed: u64,
@@ -117,8 +117,11 @@ impl DesignQuestion<'_> {
             let [low, high] = one.bounds;
             low + (high - low) * random(self.seed, &[number as u64, place])
         };
+        let corner = |end: usize| self.varied.iter().map(|one| one.bounds[end]).collect();
         match number {
             0 => vec![0.0; self.varied.len()],
+            1 => corner(0),
+            2 => corner(1),
             _ => (0..).zip(self.varied).map(coordinate).collect(),
         }
     }

@@ -62,7 +62,7 @@ impl Vary {
             && !(low <= 0.0 && high >= 0.0 && low < high)
         {
             return Err(format!(
-                "{text} does not contain the scene's own value: give a range from less to more, such as -10%:30%"
+                "{text} is no range around the scene's own value: give one from less to more, such as -10%:30%"
             ));
         }
         Ok(Self { name: name.trim().to_owned(), range })
@@ -197,10 +197,10 @@ pub fn varied(
         )));
     }
     for (name, cost) in costs {
-        if !(*cost > 0.0 && cost.is_finite()) {
+        if !(1e-3..=1e3).contains(cost) {
             return Err(Error::argument(format!(
-                "the cost {cost} of {name} is not possible: give a factor above 0, such as 10 for a change that is ten times \
-                 as hard to make"
+                "the cost {cost} of {name} is not possible: give a factor from 0.001 to 1000, such as 10 for a change that \
+                 is ten times as hard to make"
             )));
         }
         let matching = found.iter_mut().filter(|one| {

@@ -3,7 +3,7 @@
 use crate::program::{assert_refused, folder, run, text};
 use crate::study_robustness::{K1, K2, K3, hoffmann};
 use amontons::contact::ContactState::Slide;
-use amontons::scene::{Scene, builtin};
+use amontons::scene::{Scene, builtin, parse};
 use amontons::stability::Spectrum;
 use amontons_analysis::design::{
     DesignQuestion, FoundDesign, Varied, Vary, design, scene_at, varied,
@@ -87,7 +87,7 @@ fn no_smaller_change_of_three_springs_keeps_hoffmanns_model_from_growing() {
     }
     let size = found.design.size;
     assert!((size - least).abs() < 0.01 * least, "{size} {least}");
-    let design: Vec<f64> = found.design.changes.clone();
+    let design = found.design.changes;
     let springs = [K1 * (1.0 + design[0]), K2 * (1.0 + design[1]), K3 * (1.0 + design[2])];
     assert!(critical(springs) >= 0.4 * (1.0 - 1e-8), "{}", critical(springs));
 }
@@ -130,6 +130,58 @@ fn no_smaller_change_of_two_values_keeps_set_1_from_growing() {
         let friction = 1.4 * f64::from(i) / 2000.0;
         assert!(growth([a, b], friction) <= -0.1, "{friction}");
     }
+}
+
+/// A block between a floor and a wall, whose frictions feed it only where one coupling has changed its sign and the other one has
+/// not: over 0.0006 of µ.
+#[test]
+fn growth_between_two_values_of_the_friction_coefficient_is_found_and_removed() {
+    let mass = |name: &str, mass: f64, more: &str| {
+        format!("[[mass]]\nname = \"{name}\"\nmass = {mass:?}\n{more}\n")
+    };
+    let spring = |name: &str, on: &str, direction: &str, stiffness: f64| {
+        format!(
+            "[[spring]]\nname = \"{name}\"\nbetween = [\"{on}\", \"ground\"]\ndirection = {direction}\n\
+             stiffness = {stiffness:?}\n"
+        )
+    };
+    let contact = |name: &str, on: &str, angle: f64, velocity: f64| {
+        format!(
+            "[[contact]]\nname = \"{name}\"\nmass = \"block\"\non = \"{on}\"\nangle = {angle:?}\n\
+             velocity = {velocity:?}\n"
+        )
+    };
+    let text = [
+        "slider = { velocity = 0.1, angle = 0.0 }\nfriction = { coefficient = 0.3 }\n\
+         integrator = { step = 1e-5 }\n"
+            .to_owned(),
+        mass("block", 0.99, "force = [-50.0, -50.0]"),
+        mass("floor", 0.01, "locked = [\"x\"]"),
+        mass("wall", 0.01, "locked = [\"y\"]"),
+        spring("x", "block", "\"x\"", 3_000_000.0),
+        spring("y", "block", "\"y\"", 2_997_583.595_513_22),
+        spring("strut", "block", "0.7853981633974483", 2_000_000.0),
+        spring("down", "floor", "\"y\"", 2_008_032.128_514_056_3),
+        spring("across", "wall", "\"x\"", 2_005_615.724_027_276_5),
+        contact("below", "floor", 0.0, -0.1),
+        contact("beside", "wall", -std::f64::consts::FRAC_PI_2, 0.1),
+    ];
+    let scene = parse("corner", &text.concat()).unwrap();
+    let states = Linearised::of(&scene).uniform_sliding().unwrap();
+    let fastest = |scene: &Scene, [from, to]: [f64; 2]| {
+        let rates = (0..=20_000).map(|i| {
+            let friction = from + (to - from) * f64::from(i) / 20_000.0;
+            let here = Linearised::of(&Scene { friction_coefficient: friction, ..scene.clone() });
+            Spectrum::of(here.linear().unwrap(), &states).unwrap().growth_rate()
+        });
+        rates.fold(f64::NEG_INFINITY, f64::max)
+    };
+    let varied = varying(&scene, &["spring.*.stiffness=±5%"], false);
+    let found = of(&scene, &varied, [0.0, 1.0], 0.0);
+    let expected = fastest(&scene, [0.513, 0.515]);
+    assert!(expected > 0.1 && (found.before.growth - expected).abs() < 1e-6, "{found:?}");
+    let designed = scene_at(&scene, &varied, &found.design.changes).unwrap();
+    assert!(found.is_kept && fastest(&designed, [0.0, 1.0]) <= 0.0, "{found:?}");
 }
 
 #[test]
@@ -268,7 +320,7 @@ fn designs_that_make_no_sense_are_refused_with_what_would() {
     refused("set1", &[mu, "--vary=friction.coefficient=±5%"], &["cannot be varied"]);
     refused("set1", &[mu, k6, "--vary=module[2].k6=±5%"], &["module[2].k6 is varied twice"]);
     refused("set1", &[mu, k6, "--cost=module[*].k5=2"], &["is not varied", "module[1].k6"]);
-    refused("set1", &[mu, k6, "--cost=module[*].k6=0"], &["a factor above 0"]);
+    refused("set1", &[mu, k6, "--cost=module[*].k6=0"], &["a factor from 0.001 to 1000"]);
     refused("set1", &[mu, k6, "--margin=-1"], &["--margin 0 or more"]);
     refused("set1", &[mu, k6, "--starts=0"], &["0 starts are not possible"]);
     refused("set1", &["--friction=1:0", k6], &["below the last"]);

@@ -43,7 +43,7 @@ pub struct DesignArguments {
     #[arg(long, value_name = "NAME=RANGE", value_parser = Vary::parse)]
     pub vary: Vec<Vary>,
     /// Range of the friction coefficient in which no mode may grow, or one value
-    #[arg(long, value_name = "A:B", value_parser = friction)]
+    #[arg(long, value_name = "A:B", value_parser = friction, allow_hyphen_values = true)]
     pub friction: [f64; 2],
     /// A contact state in which no mode may grow: one for all contacts (Sl), one for each (Sl-St), by names (pad=St,*=Sl), or
     /// `all`; may be repeated [default: uniform sliding]
@@ -58,7 +58,7 @@ pub struct DesignArguments {
     /// Change all parts that a `*` stands for by the same percentage, as those of equal modules
     #[arg(long)]
     pub together: bool,
-    /// Number of starts of the search: the scene itself, and random changes within the bounds
+    /// Number of starts of the search: the scene itself, all values at their lower and at their upper bounds, random changes
     #[arg(long, value_name = "N", default_value_t = 8)]
     pub starts: usize,
     /// Seed of the starts and of the pushes
@@ -137,8 +137,9 @@ pub fn run(arguments: &DesignArguments) -> Result<(), Box<dyn std::error::Error>
         }
         false => Vec::new(),
     };
-    let scene =
-        if range[0] < range[1] { scene } else { Scene { friction_coefficient: range[0], ..scene } };
+    // The design belongs to the range, and may be impossible at other values of µ.
+    let friction_coefficient = scene.friction_coefficient.clamp(range[0], range[1]);
+    let scene = Scene { friction_coefficient, ..scene };
     let pushed = Pushes {
         scene: &scene,
         parameters: &scattered,
@@ -251,7 +252,9 @@ fn patterns(scene: &Scene, names: &[String]) -> Result<Vec<Vec<ContactState>>, E
 /// The decay rate of the slowest mode of some contact states without friction, 1/s.
 fn slowest_decay(scene: &Scene, patterns: &[Vec<ContactState>]) -> Result<f64, Error> {
     let mut slowest = f64::INFINITY;
-    let here = Linearised::of(&Scene { friction_coefficient: 0.0, ..scene.clone() });
+    let static_friction = scene.static_friction.map(|_| 0.0);
+    let here =
+        Linearised::of(&Scene { friction_coefficient: 0.0, static_friction, ..scene.clone() });
     for states in patterns {
         let found = amontons::stability::Spectrum::of(here.linear()?, states)?;
         slowest = slowest.min(-found.growth_rate());
@@ -341,9 +344,9 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
     say!("the design      {}", told(&found.design.worst));
     if found.is_kept {
         let [kept, same] = found.agreeing;
+        let all = found.starts.len();
         say!(
-            "{kept} of {} keep the limit, {same} of them with a change of this size, to 1 %",
-            counted(found.starts.len(), "start", "starts")
+            "starts that keep the limit: {kept} of {all}; with a change of this size, to 1 %: {same}"
         );
     } else {
         say!(
@@ -379,6 +382,9 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
         }
     }
     print_checked(question, pushes, &found.checked);
+    if found.design.size == 0.0 {
+        say!("\nno change of these values was found to make a growth rate less");
+    }
     let changed =
         question.varied.iter().zip(&found.design.changes).filter(|(_, change)| **change != 0.0);
     let set = changed.flat_map(|(one, change)| {
@@ -411,6 +417,7 @@ fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: 
         Some((friction, why)) => {
             say!("  NO EQUILIBRIUM from µ = {} on: {why}", Rounded(*friction));
         }
+        None if checked.frictions == 1 => say!("  there is an equilibrium in sliding"),
         None => say!("  there is an equilibrium in sliding at all of them"),
     }
     match &checked.remaining {
