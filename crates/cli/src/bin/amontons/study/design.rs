@@ -6,7 +6,7 @@ use super::{found, prepared_again, set_pace};
 use amontons::Error;
 use amontons::contact::{ContactState, JoinedStates};
 use amontons::decimal::to_significant;
-use amontons::error::{Rounded, Short};
+use amontons::error::Short;
 use amontons::scene::Scene;
 use amontons::simulation::at_instant;
 use amontons_analysis::design::{
@@ -334,7 +334,7 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
         more => format!(" and {more} more"),
     };
     say!("{}: {range}, states {}{more}", scene.name, states.join(", "));
-    say!("no mode may have a growth rate above {} 1/s", Rounded(0.0 - question.margin));
+    say!("no mode may have a growth rate above {} 1/s", five(0.0 - question.margin));
     say!("\nthe scene       {}", told(&found.before));
     if found.starts.is_empty() {
         say!("the scene itself keeps the limit: nothing has to change");
@@ -357,7 +357,7 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
     }
     let costs =
         if question.varied.iter().any(|one| one.cost != 1.0) { ", with its costs" } else { "" };
-    say!("\nsize of the change{costs} {} %", Rounded(100.0 * found.design.size));
+    say!("\nsize of the change{costs} {} %", five(100.0 * found.design.size));
     let widest = question.varied.iter().map(|one| one.name.len()).max().unwrap_or(0);
     for (one, change) in question.varied.iter().zip(&found.design.changes) {
         let [low, high] = one.bounds;
@@ -368,7 +368,7 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
         };
         let values = match &one.parts[..] {
             [part] => {
-                format!("{} to {} {}", Short(part.nominal), Rounded(part.at(*change)), part.unit)
+                format!("{} to {} {}", Short(part.nominal), five(part.at(*change)), part.unit)
             }
             parts => counted(parts.len(), "value", "values"),
         };
@@ -396,13 +396,18 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
     }
 }
 
+/// A number to five digits.
+fn five(value: f64) -> Short {
+    Short(to_significant(value, 5))
+}
+
 /// A mode with its growth rate and place.
 fn told(worst: &Worst) -> String {
     format!(
         "largest growth rate {} 1/s, at {:.2} Hz, µ = {}, {}",
-        Rounded(worst.growth),
+        five(worst.growth),
         worst.frequency,
-        Rounded(worst.friction),
+        five(worst.friction),
         worst.states
     )
 }
@@ -415,7 +420,7 @@ fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: 
     }
     match &checked.no_equilibrium {
         Some((friction, why)) => {
-            say!("  NO EQUILIBRIUM from µ = {} on: {why}", Rounded(*friction));
+            say!("  NO EQUILIBRIUM from µ = {} on: {why}", five(*friction));
         }
         None if checked.frictions == 1 => say!("  there is an equilibrium in sliding"),
         None => say!("  there is an equilibrium in sliding at all of them"),
@@ -438,10 +443,10 @@ fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: 
                 say!(
                     "    {} from µ = {} to {}, {:.2} Hz, {} 1/s",
                     one.states,
-                    Rounded(from),
-                    Rounded(to),
+                    five(from),
+                    five(to),
                     one.frequency,
-                    Rounded(one.growth)
+                    five(one.growth)
                 );
             }
         }
