@@ -18,4 +18,4 @@ mod verify;
 
 pub use study::{DesignQuestion, FoundDesign, Growth, Reached, Start, design};
 pub use vary::{Varied, Vary, scene_at, varied};
-pub use verify::{Checked, Remaining, Worst};
+pub use verify::{Checked, PushedRuns, Remaining, Worst};

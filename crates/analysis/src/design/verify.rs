@@ -53,9 +53,19 @@ pub struct Checked {
     /// Candidates for a second motion that are left; `None` if a mode grows, if the equilibrium is not in uniform sliding, or if there are
     /// too many contacts to look at all states.
     pub remaining: Option<Vec<Remaining>>,
-    /// Runs after pushes, at random friction coefficients of the range, of the scene and of the design; `None` if none
-    /// were asked for.
-    pub runs: Option<[Squeals; 2]>,
+    /// Runs after pushes: at random friction coefficients of the range, and at its end; none if none were asked for.
+    pub runs: Vec<PushedRuns>,
+}
+
+/// Runs of the scene and of the design after the same pushes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PushedRuns {
+    /// The friction coefficient; `None` if each run has another one of the range.
+    pub friction: Option<f64>,
+    /// Those of the scene.
+    pub scene: Squeals,
+    /// Those of the design.
+    pub design: Squeals,
 }
 
 impl Worst {
@@ -85,23 +95,33 @@ pub(super) fn verified(
     let part = |from: f64, width: f64| move |part: f64| (watch.progress)(from + width * part);
     let (of_first, of_second, of_last) = (part(0.0, 0.4), part(0.4, 0.4), part(0.8, 0.2));
     let designed = scene_at(question.scene, question.varied, &design.changes)?;
-    let runs = match &question.pushes {
-        None => None,
-        Some(pushes) => {
-            let runs = |scene: &Scene, name: &str, progress: &(dyn Fn(f64) + Sync)| {
-                let pushes = Pushes { scene, name, ..*pushes };
+    let mut runs = Vec::new();
+    if let Some(pushes) = &question.pushes {
+        let [from, to] = question.range;
+        let both = |at: Option<f64>, progress: &(dyn Fn(f64) + Sync)| {
+            let parameters = if at.is_some() { &[] } else { pushes.parameters };
+            let place = if from < to && at.is_some() { " at the end" } else { "" };
+            let run = |scene: &Scene, of: &str| {
+                let scene = match at {
+                    Some(friction_coefficient) => Scene { friction_coefficient, ..scene.clone() },
+                    None => scene.clone(),
+                };
+                let name = format!("run of the {of}{place}");
+                let pushes = Pushes { scene: &scene, parameters, name: &name, ..*pushes };
                 squeals(&pushes, journal, Watch { progress, ..watch })
             };
-            let before = runs(question.scene, "run of the scene", &of_first)?;
-            let after = if design.size > 0.0 {
-                runs(&designed, "run of the design", &of_second)?
-            } else {
-                before.clone()
-            };
-            let Some((before, after)) = before.zip(after) else { return Ok(None) };
-            Some([before, after])
-        }
-    };
+            let before = run(question.scene, "scene")?;
+            let after = if design.size > 0.0 { run(&designed, "design")? } else { before.clone() };
+            let found = before.zip(after);
+            Ok::<_, Error>(found.map(|(scene, design)| PushedRuns { friction: at, scene, design }))
+        };
+        let anywhere = if from < to { Some(both(None, &of_first)?) } else { None };
+        let at_end = both(Some(to), &of_second)?;
+        // Workers share the runs in one round.
+        let all: Option<Vec<PushedRuns>> = anywhere.into_iter().chain([at_end]).collect();
+        let Some(all) = all else { return Ok(None) };
+        runs = all;
+    }
     let looked = over.finer();
     let no_equilibrium = no_equilibrium(over, &design.changes, &looked)?;
     // Candidates are those of ranges in which uniform sliding is stable.

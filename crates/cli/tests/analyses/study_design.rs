@@ -235,9 +235,9 @@ fn set_2_loses_its_second_motion_where_no_contact_state_has_a_growing_mode() {
     let found = &json["results"]["found"];
     assert_eq!(found["is_kept"], true);
     assert_eq!(found["checked"]["remaining"], serde_json::json!([]));
-    let share = |place: usize| found["checked"]["runs"][place]["probability"]["value"].as_f64();
-    assert!(share(0).unwrap() > 0.2, "{found}");
-    assert_eq!(share(1), Some(0.0));
+    let share = |of: &str| found["checked"]["runs"][0][of]["probability"]["value"].as_f64();
+    assert!(share("scene").unwrap() > 0.2, "{found}");
+    assert_eq!(share("design"), Some(0.0));
     // The push of the scene's own file, after which Set 2 squeals for ever.
     let set = text(&output.stdout);
     let set = set.lines().find_map(|line| line.strip_prefix("the design, for any command: "));

@@ -71,8 +71,8 @@ pub struct DesignArguments {
     /// of the fastest surface]
     #[arg(long, value_name = "DISTRIBUTION", value_parser = Distribution::parse)]
     pub pushes: Option<Distribution>,
-    /// Number of runs after pushes at random friction coefficients of the range, of the scene and of the design each; 0
-    /// leaves them out
+    /// Number of runs after pushes at random friction coefficients of the range, and at its end, of the scene and of the
+    /// design each; 0 leaves them out
     #[arg(long, value_name = "N", default_value_t = 40)]
     pub runs: u64,
     #[command(flatten)]
@@ -338,7 +338,7 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
     say!("\nthe scene       {}", told(&found.before));
     if found.starts.is_empty() {
         say!("the scene itself keeps the limit: nothing has to change");
-        print_checked(question, pushes, &found.checked);
+        print_checked(pushes, &found.checked);
         return;
     }
     say!("the design      {}", told(&found.design.worst));
@@ -381,7 +381,7 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
             say!("  {:>12.4}  {:>12.4}", 100.0 * it.size, it.worst.growth);
         }
     }
-    print_checked(question, pushes, &found.checked);
+    print_checked(pushes, &found.checked);
     if found.design.size == 0.0 {
         say!("\nno change of these values was found to make a growth rate less");
     }
@@ -412,7 +412,7 @@ fn told(worst: &Worst) -> String {
     )
 }
 
-fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: &Checked) {
+fn print_checked(pushes: &Distribution, checked: &Checked) {
     say!("\nverified");
     match checked.frictions {
         1 => say!("  eigenvalues at this friction coefficient"),
@@ -451,18 +451,19 @@ fn print_checked(question: &DesignQuestion<'_>, pushes: &Distribution, checked: 
             }
         }
     }
-    let Some([before, after]) = &checked.runs else {
+    for runs in &checked.runs {
+        let at = runs
+            .friction
+            .map_or_else(|| "random µ of the range".to_owned(), |mu| format!("µ = {}", five(mu)));
+        say!("  {} runs after pushes of {pushes} m/s, at {at}", runs.scene.runs.len());
+        say!("    scene   {}", ends_of(&runs.scene));
+        if runs.design != runs.scene {
+            say!("    design  {}", ends_of(&runs.design));
+        }
+    }
+    if checked.runs.is_empty() {
         say!("not verified: no runs after pushes");
         return;
-    };
-    say!(
-        "  {} runs after pushes of {pushes} m/s{}",
-        question.pushes.as_ref().map_or(0, |pushes| pushes.runs),
-        if question.range[0] < question.range[1] { ", at random µ of the range" } else { "" }
-    );
-    say!("    scene   {}", ends_of(before));
-    if after != before {
-        say!("    design  {}", ends_of(after));
     }
     say!("not verified: larger pushes, and other friction coefficients");
 }

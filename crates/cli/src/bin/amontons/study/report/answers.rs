@@ -3,16 +3,17 @@
 use super::Report;
 use super::changes::{Change, Onset};
 use super::sections::{self, sentence};
-use super::sliding::{Found, OverFriction};
+use super::sliding::{Found, Growth, OverFriction};
 use amontons_analysis::robustness::Estimate;
 use amontons_analysis::stability::{CriticalFriction, Mode};
-use amontons_analysis::study::Kind;
-use amontons_analysis::study::loudness::{FoundMotion, Loudness, Measured};
+use amontons_analysis::study::loudness::{Attempt, FoundMotion, Loudness, Measured};
+use amontons_analysis::study::{Kind, LongTermMotion};
 use amontons_cli::words::robustness as words;
 use amontons_cli::words::{at_frequency, digits, four};
 use amontons_export::documentation::counted;
 use amontons_pictures::picture::prefixed;
 use amontons_pictures::report::Answer;
+use std::cmp::Ordering;
 
 /// Growing modes that are named.
 const NAMED: usize = 4;
@@ -44,29 +45,45 @@ fn squeal(report: &Report<'_>) -> Vec<String> {
     let mut said = if growing.is_empty() { quiet(report, found) } else { vec![grows(&growing)] };
     if let Ok(over) = &report.sliding.over_friction {
         let own = report.still.friction_coefficient;
-        let below = over.critical.iter().rev().find(|one| one.becomes_unstable && one.value <= own);
-        let above = over.critical.iter().find(|one| one.becomes_unstable && one.value > own);
         let told = |value: f64| digits(value, 4);
-        said.push(match (growing.is_empty(), below, above) {
-            (false, Some(one), _) => format!(
-                "Growth begins at µ = {}; the scene has µ = {}.",
-                told(one.value),
-                told(own)
-            ),
-            (true, _, Some(one)) => format!(
-                "A mode begins to grow at µ = {} ({}); the scene has µ = {}.",
-                told(one.value),
-                at_frequency(one.frequency_hz),
-                told(own)
-            ),
-            (true, _, None) => format!("No mode begins to grow up to µ = {}.", told(over.end)),
-            (false, None, _) => {
+        let below = |one: &&CriticalFriction| !one.becomes_unstable && one.value <= own;
+        if let Some(one) = over.critical.iter().rev().find(below).filter(|_| growing.is_empty()) {
+            said.push(format!(
+                "At smaller µ a mode grows: it ceases to at µ = {}.",
+                told(one.value)
+            ));
+        }
+        said.push(match over.growth() {
+            Growth::Since(value) => {
+                format!("Growth begins at µ = {}; the scene has µ = {}.", told(value), told(own))
+            }
+            Growth::From(value) => {
+                let at = over.next().map(|one| format!(" ({})", at_frequency(one.frequency_hz)));
+                format!(
+                    "A mode begins to grow at µ = {}{}; the scene has µ = {}.",
+                    told(value),
+                    at.unwrap_or_default(),
+                    told(own)
+                )
+            }
+            Growth::Never => {
+                format!(
+                    "No mode grows from µ = {}, that of the scene, to {}.",
+                    told(own),
+                    told(over.end)
+                )
+            }
+            Growth::Throughout => {
                 let ceases = |one: &&CriticalFriction| !one.becomes_unstable && one.value > own;
                 let end = over.critical.iter().find(ceases);
                 let end = end.map_or_else(String::new, |end| {
-                    format!("; growth ceases at µ = {}", told(end.value))
+                    format!("; a mode ceases to grow at µ = {}", told(end.value))
                 });
-                format!("The scene has µ = {}. A mode grows at smaller µ, too{end}.", told(own))
+                format!(
+                    "The scene has µ = {}. A mode grows from µ = {} on{end}.",
+                    told(own),
+                    told(over.locus.values[0])
+                )
             }
         });
     }
@@ -114,12 +131,15 @@ fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
         return vec![
             format!("A push can make it squeal. {stable}"),
             format!(
-                "The smallest push along a candidate that led to a lasting motion has {} m/s.",
+                "A push along a candidate led to a lasting motion; the smallest one of those tried that did has {} m/s. Smaller \
+                 ones, and other directions, may do so too.",
                 four(least)
             ),
         ];
     }
-    let unknown = loud.rows.iter().any(|row| row.attempts.iter().any(|one| one.motion.is_none()));
+    let rests = |one: &Attempt| one.ending.as_ref().is_some_and(LongTermMotion::rests);
+    let is_unknown = |one: &Attempt| one.motion.is_none() && !rests(one);
+    let unknown = loud.rows.iter().any(|row| row.attempts.iter().any(is_unknown));
     let tried = match (loud.rows.len(), unknown) {
         (0, _) if loud.unexamined.is_some() => {
             "Candidates for a second motion were not looked for, so it is unknown if a push starts one.".to_owned()
@@ -129,9 +149,9 @@ fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
             "Pushes along {} came to rest, which does not exclude a lasting motion.",
             counted(count, "candidate", "candidates")
         ),
-        (_, true) => "Some motions after pushes had not settled, so it is unknown if they last.".to_owned(),
+        (_, true) => "Some runs after pushes had not settled or failed, so it is unknown if their motions last.".to_owned(),
     };
-    vec![format!("No squeal was found. {stable}"), tried]
+    vec![format!("No squeal was found with the scene's own values. {stable}"), tried]
 }
 
 /// The smallest push, m/s, that led to a motion which lasts.
@@ -172,6 +192,19 @@ fn loud(report: &Report<'_>) -> Vec<String> {
     if let Some(power) = &measured.power {
         said.push(format!("Friction feeds {} W into it.", four(power.friction)));
     }
+    let undecided = found.rows.iter().filter(|row| {
+        let attempt = row.attempt();
+        let ending = attempt.ending.as_ref();
+        !ending.is_some_and(LongTermMotion::rests)
+            && (attempt.motion.is_none() || ending.is_some_and(|it| it.kind == Kind::Unbounded))
+    });
+    let undecided: Vec<String> = undecided.map(|row| row.way.name()).collect();
+    if !undecided.is_empty() {
+        said.push(format!(
+            "It is unknown how loud the motion from {} becomes: its run failed, had not settled, or grows without bound.",
+            undecided.join(", ")
+        ));
+    }
     let others = found.motions.iter().filter(|motion| motion.measured.is_some()).count() - 1;
     if others > 0 {
         said.push(format!(
@@ -201,18 +234,16 @@ pub fn loudest(found: &Loudness) -> Option<(&FoundMotion, &Measured)> {
 
 fn probable(report: &Report<'_>) -> Vec<String> {
     let mut said = Vec::new();
-    let scatter = match (report.assumptions.is_assumed, report.parameters.len()) {
-        (true, 1) => "If friction scatters by ±10 % (an assumption)".to_owned(),
-        (true, count) if report.assumptions.is_friction_alone => {
-            format!("If {count} friction coefficients scatter by ±10 % (an assumption)")
-        }
-        (true, _) => {
-            "If friction scatters by ±10 %, and each mass and stiffness by ±5 % (assumptions)"
-                .to_owned()
-        }
-        (false, count) => {
-            format!("With the scatter given for {}", counted(count, "parameter", "parameters"))
-        }
+    let count = report.parameters.len();
+    let scatter = if report.assumptions.is_assumed {
+        let parts = match report.assumptions.has() {
+            [true, true] => "friction scatters by ±10 %, and each mass and stiffness by ±5 %",
+            [true, false] => "friction scatters by ±10 %",
+            _ => "each mass and stiffness scatters by ±5 %",
+        };
+        format!("If {parts} (assumed standard deviations)")
+    } else {
+        format!("With the scatter given for {}", counted(count, "parameter", "parameters"))
     };
     if let Some(found) = &report.robustness.eigenvalues {
         let Estimate { value, low, high } = found.unstable;
@@ -238,14 +269,14 @@ fn probable(report: &Report<'_>) -> Vec<String> {
             said.push(format!(
                 "The scatter of {} matters most: if its value were known, the variance of the growth rate would be smaller by {:.0} %.",
                 parameter.name(),
-                100.0 * index.first.value
+                100.0 * index.first.value.min(1.0)
             ));
         }
     }
     if let Some(runs) = &report.robustness.runs {
         let pushes = report.arguments.scatter.pushes.as_ref();
         said.push(format!(
-            "After a push of {} m/s it squeals with a probability of {}, an interval of 95 %.",
+            "With this scatter it squeals after a random push of {} m/s with a probability of {} (95 % interval).",
             pushes.map(ToString::to_string).unwrap_or_default(),
             words::squeal(runs)
         ));
@@ -264,12 +295,15 @@ fn change(report: &Report<'_>) -> Vec<String> {
     let large = |change: &&Change| change.is_large() && change.parameters.len() == 1;
     let mut single: Vec<&Change> = found.changes.iter().filter(large).collect();
     let is_stable = found.growing().is_empty();
-    // The largest growth rate alone tells little of changes after which no mode grows.
+    // The largest growth rate tells little of changes after which no mode grows: the µ at which one begins to grow does.
+    let computed = |change: &Change| change.computed.unwrap_or(f64::INFINITY);
     let order = |change: &Change| match change.onset {
-        Onset::NotSought => change.computed.unwrap_or(f64::INFINITY),
-        onset => -onset.order(),
+        onset if onset != Onset::NotSought && change.growing == 0 => {
+            [0.0, -onset.order(), computed(change)]
+        }
+        _ => [1.0, computed(change), 0.0],
     };
-    single.sort_by(|a, b| order(a).total_cmp(&order(b)));
+    single.sort_by(|a, b| order(a).into_iter().partial_cmp(order(b)).unwrap_or(Ordering::Equal));
     let Some((_, leading)) = found.leading() else {
         return vec!["Unknown: uniform sliding has no mode.".to_owned()];
     };
@@ -305,16 +339,15 @@ fn change(report: &Report<'_>) -> Vec<String> {
     let next = report.sliding.over_friction.as_ref().ok().and_then(OverFriction::next);
     let mut said = vec![match (is_stable, next) {
         (false, _) => format!(
-            "The largest growth rate is {now} 1/s. These changes of one parameter lower it most, computed anew:"
+            "The largest growth rate is {now} 1/s. Of the changes of one parameter that were computed anew these help most:"
         ),
         (true, Some(next)) => format!(
-            "{stable} A mode begins to grow at µ = {}; these changes of one parameter \
-             raise this µ most, computed anew:",
+            "{stable} A mode begins to grow at µ = {}; of the changes of one parameter that were computed anew these raise \
+             this µ most:",
             digits(next.value, 4)
         ),
         (true, None) => format!(
-            "{stable} The largest growth rate is {now} 1/s; these changes lower it most, \
-             computed anew:"
+            "{stable} The largest growth rate is {now} 1/s; of the changes that were computed anew these help most:"
         ),
     }];
     let one = |change: &&Change| format!("{}: {}", change.name(), result(change));

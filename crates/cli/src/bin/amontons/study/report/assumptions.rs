@@ -59,6 +59,14 @@ impl Assumptions {
         Ok(Self { uncertain, is_assumed: true, is_friction_alone })
     }
 
+    /// `true` if friction scatters, and if masses and stiffnesses do.
+    pub fn has(&self) -> [bool; 2] {
+        let is_friction = |one: &Uncertain| one.name == FRICTION || one.name.ends_with(".friction");
+        let [friction, others] =
+            [true, false].map(|wanted| self.uncertain.iter().any(|one| is_friction(one) == wanted));
+        [friction, others]
+    }
+
     /// The options of the command line that say the same.
     pub fn options(&self) -> String {
         let one = |one: &Uncertain| format!(" --uncertain '{}={}'", one.name, one.distribution);
@@ -87,7 +95,7 @@ fn of_friction(scene: &Scene) -> Result<Vec<Uncertain>, Error> {
         Ok::<(), Error>(())
     };
     if scene.has_common_friction() {
-        add(FRICTION.to_owned(), scene.friction_coefficient, scene.static_friction)?;
+        add(FRICTION.to_owned(), scene.friction_coefficient, scene.greatest_friction())?;
     }
     let contacts = scene.network().map_or(&[][..], |network| &network.contacts);
     for ContactDefinition { name, friction, static_friction, .. } in contacts {

@@ -20,8 +20,10 @@ const PARTS: [f64; 2] = [0.05, 0.10];
 /// A change of one parameter, or of several at once.
 #[derive(Clone, Debug, Serialize)]
 pub struct Change {
-    /// Each parameter with its change, in parts of its value.
+    /// Each parameter with its change, in parts of the size of its value.
     pub parameters: Vec<(String, f64)>,
+    /// The value of each before and after the change.
+    pub values: Vec<[f64; 2]>,
     /// The growth rate that the derivatives of the leading mode predict, 1/s; `None` if they are not known, or hold only for much
     /// smaller changes.
     pub predicted: Option<f64>,
@@ -29,11 +31,11 @@ pub struct Change {
     pub computed: Option<f64>,
     /// The number of modes that grow after the change.
     pub growing: usize,
-    /// The least µ at which a mode begins to grow after the change.
+    /// The µ at which growth begins after the change: below the scene's µ if a mode grows there, else above it.
     pub onset: Onset,
 }
 
-/// The least µ at which a mode begins to grow.
+/// The µ at which growth begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Onset {
@@ -69,9 +71,18 @@ impl fmt::Display for Onset {
 impl Change {
     /// The change in words: `mass.disc.mass −5 %`.
     pub fn name(&self) -> String {
-        let one = |(name, part): &(String, f64)| format!("{name} {:+} %", (100.0 * part).round());
-        let all: Vec<String> = self.parameters.iter().map(one).collect();
-        all.join(", ").replace('-', "−")
+        let one = |((name, part), values): (&(String, f64), &[f64; 2])| {
+            let [before, after] = values.map(|value| digits(value, 4).replace('-', "−"));
+            let by = format!("{:+} %", (100.0 * part).round()).replace('-', "−");
+            // Ten per cent more of a negative value might be either.
+            if values[0] < 0.0 {
+                format!("{name} from {before} to {after}")
+            } else {
+                format!("{name} {by}")
+            }
+        };
+        let all: Vec<String> = self.parameters.iter().zip(&self.values).map(one).collect();
+        all.join(", ")
     }
 
     /// `true` if it is the largest change.
@@ -90,7 +101,14 @@ struct Lever {
     slope: Option<f64>,
 }
 
-/// Finds the least µ at which a mode of a scene begins to grow.
+impl Lever {
+    /// The value after a change by a part of its size.
+    fn after(&self, part: f64) -> f64 {
+        self.value + self.way * part * self.value.abs()
+    }
+}
+
+/// Finds the µ at which a mode of a scene begins to grow.
 type OnsetOf<'a> = dyn Fn(&Scene) -> Onset + 'a;
 
 /// Changes of the parameters that are most effective for the leading mode or, where there is one, for a critical µ that is to be
@@ -163,7 +181,7 @@ fn levers(
 fn changed(scene: &Scene, levers: &[(&Lever, f64)]) -> Result<Scene, Error> {
     let mut scene = scene.clone();
     for (lever, part) in levers {
-        assign(&mut scene, &lever.name, lever.value + lever.way * part * lever.value.abs())?;
+        assign(&mut scene, &lever.name, lever.after(*part))?;
     }
     scene.check()?;
     Ok(scene)
@@ -184,6 +202,7 @@ fn change(
             .iter()
             .map(|(lever, part)| (lever.name.clone(), lever.way * part))
             .collect(),
+        values: levers.iter().map(|(lever, part)| [lever.value, lever.after(*part)]).collect(),
         predicted,
         computed: growth,
         growing: growing.len(),

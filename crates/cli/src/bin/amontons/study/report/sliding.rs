@@ -82,7 +82,14 @@ impl OverFriction {
         self.critical.iter().find(|one| one.becomes_unstable && one.value > self.own)
     }
 
-    /// The least µ of the same range at which a mode of a changed scene begins to grow.
+    /// Where growth begins at the scene's µ or, if no mode grows there, beyond it.
+    pub fn growth(&self) -> Growth {
+        let first = self.locus.branches.iter().filter(|branch| branch[0].lambda.re > 0.0).count();
+        let turns = self.critical.iter().map(|one| (one.value, one.becomes_unstable, one.copies));
+        Growth::of(first, turns, self.own)
+    }
+
+    /// The µ at which growth of a changed scene begins, in the same range.
     fn onset(&self, scene: &Scene, states: &[ContactState]) -> Onset {
         if self.locus.branches.len() > MOST_CHANGED {
             return Onset::NotSought;
@@ -94,13 +101,52 @@ impl OverFriction {
         };
         match locus(&here, states, &self.locus.values, ALL_FREQUENCIES, &|_, _| {}) {
             Err(_) => Onset::NotSought,
-            Ok(found) if found.branches.iter().any(|branch| branch[0].lambda.re > 0.0) => {
-                Onset::NotSought
-            }
             Ok(found) => {
-                let first = found.crossings.iter().find(|one| one.becomes_unstable);
-                first.map_or(Onset::Above(self.end), |first| Onset::At(first.value))
+                let first =
+                    found.branches.iter().filter(|branch| branch[0].lambda.re > 0.0).count();
+                let turns = found.crossings.iter().map(|one| (one.value, one.becomes_unstable, 1));
+                match Growth::of(first, turns, self.own) {
+                    Growth::Since(value) | Growth::From(value) => Onset::At(value),
+                    Growth::Throughout => Onset::NotSought,
+                    Growth::Never => Onset::Above(self.end),
+                }
             }
+        }
+    }
+}
+
+/// Where modes grow in a range of µ, seen from one of its values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Growth {
+    /// At the value, since this µ below it.
+    Since(f64),
+    /// At the value, and at all smaller ones of the range.
+    Throughout,
+    /// Not at the value, but from this µ above it on.
+    From(f64),
+    /// Neither at the value nor above it.
+    Never,
+}
+
+impl Growth {
+    /// Of the number of modes that grow at the first µ, and of the values at which some number of modes begins (`true`) or ceases
+    /// to grow.
+    fn of(first: usize, turns: impl Iterator<Item = (f64, bool, usize)>, own: f64) -> Self {
+        let mut turns: Vec<(f64, bool, usize)> = turns.collect();
+        turns.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut growing, mut since) = (first, None);
+        for &(value, begins, count) in turns.iter().filter(|turn| turn.0 <= own) {
+            if begins && growing == 0 {
+                since = Some(value);
+            }
+            growing = if begins { growing + count } else { growing.saturating_sub(count) };
+        }
+        let next = turns.iter().find(|turn| turn.1 && turn.0 > own);
+        match (growing, since, next) {
+            (0, _, None) => Self::Never,
+            (0, _, Some(next)) => Self::From(next.0),
+            (_, Some(since), _) => Self::Since(since),
+            (_, None, _) => Self::Throughout,
         }
     }
 }
@@ -219,4 +265,25 @@ fn over_friction(scene: &Scene, states: &[ContactState]) -> Result<OverFriction,
 fn values(from: f64, to: f64) -> Vec<f64> {
     let part = |i: u32| f64::from(i) / f64::from(STEPS);
     (0..=STEPS).map(|i| from + (to - from) * part(i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn growth_is_told_from_where_no_mode_grows() {
+        // One mode grows from 1 to 4, another one from 2 to 3, a third one from 5 on.
+        let turns =
+            [(1.0, true, 1), (2.0, true, 1), (3.0, false, 1), (4.0, false, 1), (5.0, true, 2)];
+        let of = |first: usize, own: f64| Growth::of(first, turns.into_iter(), own);
+        assert_eq!(of(0, 0.5), Growth::From(1.0));
+        for own in [1.5, 2.5, 3.5] {
+            assert_eq!(of(0, own), Growth::Since(1.0));
+        }
+        assert_eq!(of(0, 4.5), Growth::From(5.0));
+        assert_eq!(of(0, 6.0), Growth::Since(5.0));
+        assert_eq!(of(1, 6.0), Growth::Throughout);
+        assert_eq!(Growth::of(1, [(1.0, false, 1)].into_iter(), 2.0), Growth::Never);
+    }
 }

@@ -23,7 +23,7 @@ pub fn section(report: &Report<'_>) -> Section {
     let sliding = &report.sliding;
     let mut section = Section { heading: HEADING.to_owned(), ..Section::default() };
     section.text.push(format!(
-        "In uniform sliding all contacts slide (state {}) and the structure rests. A mode of it that grows turns a small motion into a \
+        "In uniform sliding every closed contact slides (state {}) and the structure rests. A mode of it that grows turns a small motion into a \
          lasting one; a mode that decays lets it die out. Of contact states, Sl means sliding, R-Sl sliding the other way along the \
          contact's tangent, St sticking and Dt open.",
         sliding.state
@@ -75,7 +75,7 @@ fn modes(found: &Found) -> Table {
             format!("{:.2}", mode.frequency_hz()),
             four(mode.growth_rate()),
             format!("{:.3} %", 100.0 * mode.damping_ratio()),
-            if grows { "grows" } else { "decays" }.to_owned(),
+            turn(mode).to_owned(),
         ];
         texts.map(|text| cell(text, grows)).to_vec()
     };
@@ -85,6 +85,18 @@ fn modes(found: &Found) -> Table {
     };
     let head = ["Mode", "Frequency [Hz]", "Growth rate [1/s]", "Damping ratio", ""];
     table(caption, &head, all.into_iter().map(row).collect())
+}
+
+/// `grows`, `decays`, or neither.
+fn turn(mode: &Mode) -> &'static str {
+    let rate = mode.growth_rate();
+    if rate > 0.0 {
+        "grows"
+    } else if rate < 0.0 {
+        "decays"
+    } else {
+        "neither grows nor decays"
+    }
 }
 
 /// The shape of the leading mode: amplitudes, of which the largest is 1, and phases.
