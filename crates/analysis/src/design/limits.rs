@@ -7,6 +7,7 @@ use crate::watch::Watch;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::error::Rounded;
+use amontons::model::LinearModel;
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
 use nalgebra::Complex;
@@ -85,9 +86,12 @@ impl Structure<'_> {
     /// Returns an error if the state cannot be analysed.
     pub(super) fn spectrum(&self, changes: &[f64], place: Place) -> Result<Vec<Found>, Error> {
         self.watch.check()?;
-        let here = self.model(changes, place.friction)?;
-        let Spectrum { oscillating, real } =
-            Spectrum::of(here.linear()?, &self.patterns[place.pattern])?;
+        self.modes_of(self.model(changes, place.friction)?.linear()?, place)
+    }
+
+    /// All modes of a model at its place.
+    fn modes_of(&self, model: LinearModel<'_>, place: Place) -> Result<Vec<Found>, Error> {
+        let Spectrum { oscillating, real } = Spectrum::of(model, &self.patterns[place.pattern])?;
         let all = oscillating.into_iter().chain(real.into_iter().map(Complex::from));
         Ok(all.map(|eigenvalue| Found { place, eigenvalue }).collect())
     }
@@ -103,12 +107,8 @@ impl Structure<'_> {
             let here = self.model(changes, friction)?;
             let linear = here.linear()?;
             let mut found = Vec::new();
-            for (pattern, states) in self.patterns.iter().enumerate() {
-                let place = Place { pattern, friction };
-                let Spectrum { oscillating, real } = Spectrum::of(linear, states)?;
-                let real = real.into_iter().map(|value| Complex::new(value, 0.0));
-                let all = oscillating.into_iter().chain(real);
-                found.extend(all.map(|eigenvalue| Found { place, eigenvalue }));
+            for pattern in 0..self.patterns.len() {
+                found.extend(self.modes_of(linear, Place { pattern, friction })?);
             }
             Ok(found)
         };
@@ -146,12 +146,11 @@ impl Structure<'_> {
         Ok(collect(places.len(), &at, &|_| {})?.into_iter().flatten().collect())
     }
 
-    /// Differences of a mode's growth rate over small changes, 1/s for a change of 1: what stands for derivatives where modes
-    /// merge.
+    /// Differences of a mode's growth rate over small changes, 1/s for a change of 1. They stand for derivatives where modes merge.
     fn secants(
         &self,
         changes: &[f64],
-        Place { pattern, friction }: Place,
+        place: Place,
         from: Complex<f64>,
     ) -> Result<Vec<f64>, Error> {
         let by = |i: usize| {
@@ -160,15 +159,11 @@ impl Structure<'_> {
                 if changes[i] < 0.5 * (low + high) { SECANT } else { -SECANT } * (high - low);
             let mut moved = changes.to_vec();
             moved[i] += step;
-            let here = self.model(&moved, friction)?;
-            let Spectrum { oscillating, real } =
-                Spectrum::of(here.linear()?, &self.patterns[pattern])?;
-            let all = oscillating.into_iter().chain(real.into_iter().map(Complex::from));
-            let all: Vec<Complex<f64>> = all.collect();
-            let near = |it: &&Complex<f64>| (**it - from).norm();
+            let all = self.spectrum(&moved, place)?;
+            let near = |it: &&Found| (it.eigenvalue - from).norm();
             let nearest = all.iter().map(|it| near(&it)).fold(f64::INFINITY, f64::min);
             // Of two modes that part from a merging both are equally near.
-            let to = all.iter().filter(|it| near(it) <= 1.5 * nearest).map(|it| it.re);
+            let to = all.iter().filter(|it| near(it) <= 1.5 * nearest).map(|it| it.eigenvalue.re);
             Ok((to.fold(f64::NEG_INFINITY, f64::max) - from.re) / step)
         };
         (0..self.varied.len()).map(by).collect()

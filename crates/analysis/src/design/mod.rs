@@ -17,5 +17,5 @@ mod vary;
 mod verify;
 
 pub use study::{DesignQuestion, FoundDesign, Growth, Reached, Start, design};
-pub use vary::{Varied, Vary, scene_at, varied};
+pub use vary::{Part, Range, Varied, Vary, scene_at, varied};
 pub use verify::{Checked, PushedRuns, Remaining, Worst};

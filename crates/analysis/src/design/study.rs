@@ -99,6 +99,12 @@ pub struct Growth {
     pub after: f64,
 }
 
+impl Reached {
+    fn of(over: &OverRange<'_>, Solved { changes, worst }: Solved) -> Self {
+        Self { size: over.size(&changes), changes, worst: Worst::of(over, &worst) }
+    }
+}
+
 impl DesignQuestion<'_> {
     fn over<'a>(&'a self, watch: Watch<'a>) -> OverRange<'a> {
         let structure = Structure {
@@ -155,7 +161,7 @@ fn found(
     let over = question.over(Watch { progress: &|_| {}, ..watch });
     let scene_itself = vec![0.0; question.varied.len()];
     let before = over.worst(&scene_itself)?;
-    let itself = Reached { changes: scene_itself, size: 0.0, worst: Worst::of(&over, &before) };
+    let itself = Reached::of(&over, Solved { changes: scene_itself, worst: before });
     if before.eigenvalue.re <= -question.margin {
         let verified = verified(question, &over, &itself, journal, watch)?;
         return Ok(verified.map(|checked| FoundDesign {
@@ -171,17 +177,13 @@ fn found(
         }));
     }
     let is_undamped = question.margin == 0.0 && over.is_undamped()?;
-    let unit = unit(before.eigenvalue.re, question.margin);
+    // A growth rate that makes others comparable: the way from that of the scene to the limit.
+    let unit = before.eigenvalue.re + question.margin;
     // Without a margin structures are allowed that nothing damps: they have no growth rate below zero.
     let surplus = if question.margin > 0.0 { SURPLUS * unit } else { 0.0 };
     let limit = -question.margin - surplus;
     let smallest = Aim { limit, unit, is_small: true, is_undamped };
     let least = Aim { is_small: false, ..smallest };
-    let reached = |solved: &Solved| Reached {
-        size: over.size(&solved.changes),
-        changes: solved.changes.clone(),
-        worst: Worst::of(&over, &solved.worst),
-    };
     let work = |number: usize| {
         journal.piece(&format!("start {}", number + 1), || {
             on_this_thread(|| {
@@ -192,7 +194,8 @@ fn found(
                 if keeps(&least) && !keeps(&kept) {
                     kept = over.solve(smallest, &least.changes)?;
                 }
-                Ok(Some(Start { smallest: reached(&kept), least: reached(&least) }))
+                let [smallest, least] = [kept, least].map(|solved| Reached::of(&over, solved));
+                Ok(Some(Start { smallest, least }))
             })
         })
     };
@@ -239,12 +242,6 @@ fn found(
     }))
 }
 
-/// A growth rate that makes others comparable: the way from that of the scene to the limit.
-fn unit(growth: f64, margin: f64) -> f64 {
-    let way = (growth + margin).abs();
-    if way > 0.0 { way } else { f64::max(growth.abs(), f64::MIN_POSITIVE) }
-}
-
 /// A change with four digits, or with as many as it takes to keep a limit (1/s) that it keeps. A change of a millionth of its
 /// range is 0.
 fn rounded(over: &OverRange<'_>, reached: &Reached, limit: f64) -> Result<Reached, Error> {
@@ -256,8 +253,8 @@ fn rounded(over: &OverRange<'_>, reached: &Reached, limit: f64) -> Result<Reache
             if is_small { 0.0 } else { to_significant(change, digits).clamp(low, high) }
         });
         let changes: Vec<f64> = changes.collect();
-        let worst = Worst::of(over, &over.worst(&changes)?);
-        Ok(Reached { size: over.size(&changes), changes, worst })
+        let worst = over.worst(&changes)?;
+        Ok(Reached::of(over, Solved { changes, worst }))
     };
     for digits in DIGITS {
         match to(digits) {
@@ -295,12 +292,7 @@ fn trade_off(
         let last = &found[found.len() - 1];
         let mut ends = Vec::new();
         for start in [&last.changes, &design.changes] {
-            let solved = over.solve(aim, start)?;
-            ends.push(Reached {
-                size: over.size(&solved.changes),
-                worst: Worst::of(over, &solved.worst),
-                changes: solved.changes,
-            });
+            ends.push(Reached::of(over, over.solve(aim, start)?));
         }
         let is_above = |it: &Reached| it.worst.growth - limit > 1e-6 * (from - to);
         ends.sort_by(|a, b| is_above(a).cmp(&is_above(b)).then(a.size.total_cmp(&b.size)));

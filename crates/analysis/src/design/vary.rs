@@ -120,9 +120,7 @@ impl Part {
             _ => to_significant(self.nominal + self.scale * change, 12).clamp(low, high),
         }
     }
-}
 
-impl Part {
     /// `true` if the value takes energy out of a motion.
     pub(super) fn damps(&self) -> bool {
         let quantity = self.variable.template.quantity;

@@ -1,7 +1,7 @@
 //! Designs: they keep their limit, no smaller change does, and they remove squeal.
 
 use crate::program::{assert_refused, folder, run, text};
-use crate::study_robustness::{K1, K2, K3, hoffmann};
+use crate::study_robustness::{K1, K2, K3, critical, hoffmann};
 use amontons::contact::ContactState::Slide;
 use amontons::scene::{Scene, builtin, parse};
 use amontons::stability::Spectrum;
@@ -40,13 +40,6 @@ fn of(scene: &Scene, varied: &[Varied], range: [f64; 2], margin: f64) -> FoundDe
         pushes: None,
     };
     design(&question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
-}
-
-/// µ from which on the modes of Hoffmann's model with these springs grow: (k12 + (k11 − k22)² / (4 k12)) / k3.
-fn critical([k1, k2, k3]: [f64; 3]) -> f64 {
-    let (k11, k22) = (0.75 * (k1 + k2), 0.25 * (k1 + k2) + k3);
-    let k12 = (0.1875_f64.sqrt() * (k1 - k2)).abs();
-    (k12 + (k11 - k22).powi(2) / (4.0 * k12)) / k3
 }
 
 #[test]

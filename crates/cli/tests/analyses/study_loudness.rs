@@ -265,7 +265,7 @@ fn loudness_that_makes_no_sense_is_refused_with_what_would() {
     refused(&["set1", "--shard", "1/2"], 2, &["-o"]);
 }
 
-/// Eight modules have so many contact states that the search for candidates lasts.
+/// The search for candidates among the 4^8 contact states of eight modules takes long.
 #[test]
 fn points_are_checked_before_the_search_for_candidates_which_ctrl_c_ends() {
     let folder = folder();

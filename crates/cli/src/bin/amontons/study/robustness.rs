@@ -50,7 +50,7 @@ pub struct RobustnessArguments {
     pub options: ObservationOptions,
 }
 
-/// What scatters, and the runs of draws.
+/// The parameters that scatter, and the runs of draws.
 #[derive(Args)]
 pub struct Scatter {
     /// A parameter that scatters, with its distribution: uniform(A,B), triangular(A,MODE,B), normal(MEAN,SD),

@@ -32,7 +32,7 @@ const WORK: f64 = 5e8;
 /// Bounds of the number of points in a scrambling.
 const POINTS: [u64; 2] = [64, 1024];
 
-/// What scatters, and how it came to be said.
+/// The parameters that scatter, and whether the user or the report chose them.
 pub struct Assumptions {
     pub uncertain: Vec<Uncertain>,
     /// `true` if the user gave none of it.
@@ -62,9 +62,7 @@ impl Assumptions {
     /// `true` if friction scatters, and if masses and stiffnesses do.
     pub fn has(&self) -> [bool; 2] {
         let is_friction = |one: &Uncertain| one.name == FRICTION || one.name.ends_with(".friction");
-        let [friction, others] =
-            [true, false].map(|wanted| self.uncertain.iter().any(|one| is_friction(one) == wanted));
-        [friction, others]
+        [true, false].map(|wanted| self.uncertain.iter().any(|one| is_friction(one) == wanted))
     }
 
     /// The options of the command line that say the same.
@@ -149,7 +147,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// What is asked for, or what a scene can have in short time: fewer points for many parameters and large models, and no
+    /// The number of points that the user gives, or one that takes a short time: fewer points for many parameters and large models, and no
     /// indices where these would leave too few points.
     pub fn of(scene: &Scene, parameters: usize, given: Option<u64>) -> Self {
         if let Some(points) = given {

@@ -79,7 +79,7 @@ fn about(report: &Report<'_>, found: &Found) -> Vec<String> {
     said
 }
 
-/// What the derivatives of a mode do not tell.
+/// Limits of the derivatives of a mode, in words.
 fn notes(mode: &ModeSensitivity) -> Option<String> {
     let hz = format!("The mode at {:.2} Hz", mode.frequency_hz());
     if let Some(merging) = &mode.merging {

@@ -1,4 +1,4 @@
-//! What was not looked at, and the commands that give the same numbers.
+//! The limits of the page, and the commands that give the same numbers.
 
 use super::super::Report;
 use amontons_analysis::study::loudness::Unexamined;

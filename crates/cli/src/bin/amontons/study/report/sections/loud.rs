@@ -75,7 +75,7 @@ pub fn section(report: &Report<'_>) -> Section {
     section
 }
 
-/// What is told of a motion besides its points.
+/// The lines on a motion besides those on its points.
 fn lines(place: usize, motion: &FoundMotion) -> Vec<String> {
     let Some(measured) = &motion.measured else { return Vec::new() };
     let lines =

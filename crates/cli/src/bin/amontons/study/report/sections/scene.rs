@@ -15,7 +15,7 @@ use amontons_pictures::report::{Cell, Content, Section};
 const MOST_FORCES: usize = 12;
 /// Values that are told.
 const MOST_VALUES: usize = 40;
-/// What a run writes down besides motion is no effect on the motion.
+/// The energy ledger and the like are outputs of a run, and no effects on the motion.
 const LEDGERS: [&str; 2] = ["energy", "stability"];
 
 pub fn section(report: &Report<'_>) -> Section {
