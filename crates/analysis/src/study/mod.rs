@@ -17,6 +17,7 @@
 //! | `confirm` | pushes that may lead to the contact state of a candidate |
 //! | `orbit` | one periodic motion, solved for itself |
 //! | `branches` | branches of periodic motions over a parameter |
+//! | `held` | velocities along which some contacts neither open nor close |
 //! | `push` | a small push out of an equilibrium |
 //! | `limit_cycle` | endings of a scene over the values of a parameter, and thresholds of contact states |
 //! | `portrait` | phase portraits of a settled motion |
@@ -42,6 +43,7 @@ mod difference;
 mod drive;
 mod fading;
 mod family;
+mod held;
 mod initial;
 mod limit_cycle;
 mod linear;
@@ -79,6 +81,7 @@ pub use observation::{
 pub use orbit::{FoundOrbit, From, Unfound, orbit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;
+pub(crate) use held::Held;
 pub(crate) use push::closed_normals;
 pub(crate) use settling::run_to_steady_state;
 pub use visit::Visited;

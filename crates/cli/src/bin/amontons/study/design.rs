@@ -8,7 +8,7 @@ use amontons::decimal::to_significant;
 use amontons::error::Short;
 use amontons::scene::Scene;
 use amontons_analysis::design::{
-    Checked, DesignQuestion, DesignRequest, FoundDesign, ReadyDesign, Vary, Worst, design,
+    DesignQuestion, DesignRequest, FoundDesign, ReadyDesign, Vary, Worst, design,
 };
 use amontons_analysis::instant::signals_left_out;
 use amontons_analysis::robustness::{Distribution, End, Estimate, Squeals};
@@ -219,7 +219,7 @@ fn print(ready: &ReadyDesign<'_>, question: &DesignQuestion<'_>, found: &FoundDe
     say!("\nthe scene       {}", told(&found.before));
     if found.starts.is_empty() {
         say!("the scene itself keeps the limit: nothing has to change");
-        print_checked(pushes, &found.checked);
+        print_checked(pushes, found);
         return;
     }
     say!("the design      {}", told(&found.design.worst));
@@ -262,7 +262,7 @@ fn print(ready: &ReadyDesign<'_>, question: &DesignQuestion<'_>, found: &FoundDe
             say!("  {:>12.4}  {:>12.4}", 100.0 * it.size, it.worst.growth);
         }
     }
-    print_checked(pushes, &found.checked);
+    print_checked(pushes, found);
     if found.design.size == 0.0 {
         say!("\nno change of these values was found to make a growth rate less");
     }
@@ -290,7 +290,8 @@ fn told(worst: &Worst) -> String {
     )
 }
 
-fn print_checked(pushes: &Distribution, checked: &Checked) {
+fn print_checked(pushes: &Distribution, found: &FoundDesign) {
+    let checked = &found.checked;
     say!("\nverified");
     match checked.frictions {
         1 => say!("  eigenvalues at this friction coefficient"),
@@ -304,7 +305,7 @@ fn print_checked(pushes: &Distribution, checked: &Checked) {
         None => say!("  there is an equilibrium in sliding at all of them"),
     }
     match &checked.remaining {
-        None if checked.worst.growth > 0.0 => {
+        None if found.design.worst.growth > 0.0 => {
             say!("  candidates for a second motion were not looked for, since a mode grows");
         }
         None => say!("  candidates for a second motion were not looked for"),
