@@ -107,7 +107,16 @@ impl DesignRequest {
         } else {
             Vec::new()
         };
-        Ok(ReadyDesign { asked: self, scene, varied, patterns, margin, pushes, velocity, scattered })
+        Ok(ReadyDesign {
+            asked: self,
+            scene,
+            varied,
+            patterns,
+            margin,
+            pushes,
+            velocity,
+            scattered,
+        })
     }
 
     /// Refuses numbers that make no sense, and a range that the scene cannot have.

@@ -108,8 +108,11 @@ impl Search<'_> {
         let mut near = self.near(&here)?;
         for _ in 0..MOST_STEPS {
             let now = self.merit(&here.changes, here.worst.eigenvalue.re, price);
-            let linear: Vec<Row> =
-                near.iter().chain(trials.iter().filter_map(|it| it.row.as_ref())).cloned().collect();
+            let linear: Vec<Row> = near
+                .iter()
+                .chain(trials.iter().filter_map(|it| it.row.as_ref()))
+                .cloned()
+                .collect();
             let Some(step) = self.step(&here.changes, &linear, price, radius)? else {
                 radius *= 0.3;
                 continue;

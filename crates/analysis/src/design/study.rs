@@ -235,8 +235,7 @@ fn found(
             let [smallest, least] = [kept, least].map(|solved| Reached::of(&over, solved));
             Ok(Some(Start { smallest, least }))
         };
-        let found =
-            journal.piece(&format!("start {}", number + 1), || on_this_thread(searched))?;
+        let found = journal.piece(&format!("start {}", number + 1), || on_this_thread(searched))?;
         of_start(number, 1.0);
         Ok(found)
     };

@@ -125,7 +125,8 @@ mod tests {
     /// A node of 1 kg on a belt with a rotation and a modal coordinate, whose inertias of 1e-4 make both a hundred times as fast as its
     /// motion along the belt.
     #[test]
-    fn the_size_of_a_push_is_the_velocity_of_a_node_and_not_that_of_rotations_and_modal_coordinates() {
+    fn the_size_of_a_push_is_the_velocity_of_a_node_and_not_that_of_rotations_and_modal_coordinates()
+     {
         let freedoms = [(1, 1), (1, 2), (1, 6), (1, 0)];
         let freedoms = freedoms.map(|(node, direction)| Freedom { node, direction }).to_vec();
         let diagonal = |values: [f64; 4]| {

@@ -285,7 +285,10 @@ mod tests {
         assert_eq!(closed_normals(&here).len(), 2);
         let along = |angle: f64, size: f64| [size * angle.cos(), size * angle.sin()];
         let into = |[x, y]: [f64; 2]| {
-            [-0.4_f64, 0.6].map(|angle| x * -angle.sin() + y * angle.cos()).into_iter().fold(0.0, f64::min)
+            [-0.4_f64, 0.6]
+                .map(|angle| x * -angle.sin() + y * angle.cos())
+                .into_iter()
+                .fold(0.0, f64::min)
         };
         for degree in 0..360 {
             let push = along(f64::from(degree).to_radians(), 1.0);

@@ -64,9 +64,10 @@ impl Root {
     /// Lᵀ v.
     fn xi(&self, velocity: &[f64]) -> DVector<f64> {
         match self {
-            Self::Diagonal(roots) => {
-                DVector::from_iterator(roots.len(), velocity.iter().zip(roots).map(|(v, root)| v * root))
-            }
+            Self::Diagonal(roots) => DVector::from_iterator(
+                roots.len(),
+                velocity.iter().zip(roots).map(|(v, root)| v * root),
+            ),
             Self::Full(factor) => factor.l().tr_mul(&DVector::from_column_slice(velocity)),
         }
     }

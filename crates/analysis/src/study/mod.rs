@@ -70,6 +70,7 @@ pub use continuation::{
     Bistable, Continuation, Jump, Plan, Point, RestAndMotion, SweepDirection, ThirdMotion,
     continuation,
 };
+pub(crate) use held::Held;
 pub use initial::{history, initial_value};
 pub use limit_cycle::{
     Change, LimitCycles, MotionBracket, Outcome, Question, Regime, limit_cycles, settled_motion,
@@ -81,7 +82,6 @@ pub use observation::{
 pub use orbit::{FoundOrbit, From, Unfound, orbit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;
-pub(crate) use held::Held;
 pub(crate) use push::closed_normals;
 pub(crate) use settling::run_to_steady_state;
 pub use visit::Visited;
