@@ -71,7 +71,7 @@ impl OverRange<'_> {
         let mut frictions = self.values(STEPS);
         let mut from = start.to_vec();
         for _ in 0..MOST_ROUNDS {
-            let search = Search { structure: self.structure, frictions: &frictions, aim };
+            let search = Search::new(self.structure, &frictions, aim);
             let solved = search.from(&from)?;
             let worst = self.worst(&solved.changes)?;
             let is_known = frictions.contains(&worst.place.friction);
@@ -99,11 +99,16 @@ impl OverRange<'_> {
             let larger = larger
                 .map(|(change, one)| (change * (1.0 + part)).clamp(one.bounds[0], one.bounds[1]));
             let changes: Vec<f64> = larger.collect();
+            part *= 4.0;
+            // One spectrum shows that most of these changes are still too small.
+            let there = self.structure.fastest_at(&changes, solved.worst.place)?;
+            if there.is_some_and(|it| it.eigenvalue.re > aim.limit) {
+                continue;
+            }
             let worst = self.worst(&changes)?;
             if worst.eigenvalue.re <= aim.limit {
                 return Ok(Solved { changes, worst });
             }
-            part *= 4.0;
         }
         Ok(solved)
     }

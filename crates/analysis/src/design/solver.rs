@@ -12,6 +12,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
 };
+use std::cell::OnceCell;
 
 /// The most steps.
 const MOST_STEPS: usize = 200;
@@ -69,9 +70,11 @@ pub(super) struct Solved {
 
 /// The search at a set of friction coefficients.
 pub(super) struct Search<'a> {
-    pub(super) structure: Structure<'a>,
-    pub(super) frictions: &'a [f64],
-    pub(super) aim: Aim,
+    structure: Structure<'a>,
+    frictions: &'a [f64],
+    aim: Aim,
+    /// The scene itself, which several ways begin at.
+    itself: OnceCell<At>,
 }
 
 /// A trial that was worse than foretold: by a mode that was not near the limit before, or by one of several equal modes, of which
@@ -85,13 +88,18 @@ struct Trial {
 }
 
 /// Relative changes with all modes there.
+#[derive(Clone)]
 struct At {
     changes: Vec<f64>,
     modes: Vec<Found>,
     worst: Found,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    pub(super) fn new(structure: Structure<'a>, frictions: &'a [f64], aim: Aim) -> Self {
+        Self { structure, frictions, aim, itself: OnceCell::new() }
+    }
+
     /// The end of the search from a start, within the bounds.
     ///
     /// # Errors
@@ -175,7 +183,13 @@ impl Search<'_> {
     /// Two changes on the way from the scene itself to stable ones: one that grows a little, and a stable one near it. If the scene
     /// itself does not grow, the stable changes alone.
     fn edge(&self, stable: At) -> Result<(At, Option<At>), Error> {
-        let mut grows = self.at(&vec![0.0; stable.changes.len()])?;
+        let mut grows = match self.itself.get() {
+            Some(itself) => itself.clone(),
+            None => {
+                let itself = self.at(&vec![0.0; stable.changes.len()])?;
+                self.itself.get_or_init(|| itself).clone()
+            }
+        };
         if grows.worst.eigenvalue.re <= 0.0 {
             return Ok((stable, None));
         }

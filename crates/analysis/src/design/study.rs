@@ -184,7 +184,9 @@ fn found(
     let (of_scene, of_starts) = (part(0.0, 0.02), part(0.02, first));
     let (of_trade, of_checks) = (part(first, second), part(second, 1.0));
     let (usual, idle) = (question.usual_effort(), |_: f64| {});
-    let (effort, effort_of_scene) = (Effort::new(usual, &idle), Effort::new(usual, &of_scene));
+    // One look at the scene takes a small part of a search.
+    let (effort, effort_of_scene) =
+        (Effort::new(usual, &idle), Effort::new(0.05 * usual, &of_scene));
     let over = question.over(watch, &effort);
     let scene_itself = vec![0.0; question.varied.len()];
     let Survey { worst: before, rates: before_rates } =
