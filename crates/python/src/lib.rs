@@ -15,10 +15,12 @@
 //! | `simulation` | a motion that is advanced step by step |
 //! | `robustness` | the study of robustness; growth rates for values that a tool draws |
 //! | `loudness` | the study of loudness |
+//! | `design` | the study of designs |
 //! | `study` | studies, as a whole or in pieces for many workers |
 //! | `export` | FMUs |
 
 mod array;
+mod design;
 mod errors;
 mod export;
 mod interrupt;

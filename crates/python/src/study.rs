@@ -3,6 +3,7 @@
 //! A study asks for pieces of work by their keys, round by round. [`Study::plan`] tells the pieces that the next round
 //! lacks, or the result where nothing is missing; [`Study::work`] computes some of them.
 
+use crate::design::{self, Design};
 use crate::errors::{ArgumentError, raised};
 use crate::interrupt::watched;
 use crate::loudness::Loudness;
@@ -67,6 +68,7 @@ enum Kind {
     Transient { stop_time: Option<f64>, output_interval: Option<f64> },
     Robustness(Robustness),
     Loudness(Loudness),
+    Design(Design),
 }
 
 /// The motion from which an orbit is looked for.
@@ -203,6 +205,16 @@ impl Request {
             let found = asked.found(&scene, &prepare, journal, watch)?;
             return Ok(found.map(|found| json!({ "result": found })));
         }
+        if let Kind::Design(asked) = &self.kind {
+            let asked = asked.request()?;
+            let mut ready = asked.ready(&scene)?;
+            if asked.has_runs() {
+                let observation = self.observation(&ready.scene)?;
+                set_pace(&mut ready.scene, &self.integrator, &observation, pace)?;
+            }
+            let found = design::found(&ready, given, &prepare, journal, watch)?;
+            return Ok(found.map(|found| json!({ "result": found })));
+        }
         let observation = self.observation(&scene)?;
         // A basin keeps the scene's own method.
         let default =
@@ -293,7 +305,7 @@ impl Request {
             }
             Kind::Robustness(asked) => asked.found(&scene, &prepare, journal, watch)?,
             Kind::Loudness(asked) => asked.found(&scene, &observation, journal, watch)?,
-            Kind::Transient { .. } => unreachable!("it is made above"),
+            Kind::Transient { .. } | Kind::Design(_) => unreachable!("it is made above"),
         };
         let pace = json!({ "method": scene.method, "step": scene.step });
         Ok(found.map(|found| json!({ "look": observation, "pace": pace, "result": found })))

@@ -110,6 +110,7 @@ macro_rules! files {
 files! {
     test_book
     test_clusters
+    test_design
     test_executors
     test_interrupts
     test_misuse

@@ -15,6 +15,7 @@ from conftest import bytes_of
 
 MU = "friction.coefficient"
 SHORT = {"longest": 60.0, "window": 10.0}
+DESIGN = {"module[*].k5": "±5%", "module[*].k6": "±5%"}
 STUDIES = {
     "sweep": lambda scene, executor: amontons.sweep(
         scene, {MU: np.linspace(0.0, 0.6, 40), "slider.velocity": [0.1, 0.2, 0.5]}, executor=executor
@@ -45,6 +46,9 @@ STUDIES = {
     "loudness": lambda scene, executor: amontons.Scene.builtin("set1")
     .with_values({MU: 3.0})
     .loudness(executor=executor),
+    "design": lambda scene, executor: amontons.Scene.builtin("set1").design(
+        DESIGN, (0.0, 1.25), starts=3, points=1, runs=3, executor=executor, longest=2.0
+    ),
 }
 
 
@@ -319,6 +323,9 @@ def test_progress_rises_to_one_and_its_errors_end_the_work(held, name, on):
             {MU: "normal(±10%)"}, pushes="uniform(0,0.3)", runs=4, points=64, executor=on, **SHORT, **more
         ),
         "loudness": lambda **more: amontons.Scene.builtin("set1").loudness(executor=on, **more),
+        "design": lambda **more: amontons.Scene.builtin("set1").design(
+            DESIGN, (0.0, 1.25), starts=2, points=1, runs=2, longest=2.0, executor=on, **more
+        ),
     }
     parts = []
     calls[name](progress=parts.append)

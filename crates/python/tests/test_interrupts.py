@@ -28,6 +28,7 @@ HERE = {
     "robustness with runs": 'scene.robustness({}, pushes="uniform(0.1,1)", runs=1000, longest=1000.0)',
     "growth rates": 'scene.growth_rates(["friction.coefficient"], np.linspace(0.0, 1.9, 2_000_000).reshape(-1, 1))',
     "loudness": 'slow.loudness(longest=1000.0)',
+    "design": 'ring.design({"module[*].k6": "±5%", "module[*].k5": "±5%"}, (0.0, 1.6), runs=0)',
     "transient": 'scene.transient(stop_time=1000.0, of="module[1].x1")',
 }
 SHARED = {

@@ -187,6 +187,10 @@ MISUSES = {
         (lambda s: s.robustness({MU: "normal(±1%)"}, bands=[(3.0, 1.0)]), ArgumentError),
         (lambda s: s.robustness({MU: "normal(±1%)"}, bands=[(NAN, 1.0)]), ArgumentError),
         (lambda s: s.robustness({MU: "normal(±1%)"}, window=1.0), ArgumentError),
+        (lambda s: s.robustness({MU: "normal(±1%)"}, runs=7), ArgumentError),
+        (lambda s: s.robustness({}, pushes="uniform(0,1)", state="Sl"), ArgumentError),
+        (lambda s: s.robustness({}, pushes="uniform(0,1)", bands=[(0.0, 1.0)]), ArgumentError),
+        (lambda s: s.robustness({}, pushes="uniform(0,1)", indices=False), ArgumentError),
         (lambda s: s.robustness({}, pushes="uniform(±1%)"), ArgumentError),
         (lambda s: s.robustness({}, pushes="uniform(-1,1)"), ArgumentError),
         (lambda s: s.robustness({}, pushes="uniform(0,1)", runs=0), ArgumentError),
@@ -212,6 +216,27 @@ def test_misuse_raises_the_documented_exception(set1, what, tmp_path, monkeypatc
             misuse(set1)
         assert str(raised.value) and "this is no study: expected" not in str(raised.value), number
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("misuse", "words"),
+    [
+        (lambda s: s.robustness({MU: "normal(±1%)"}, points="many"), "points = 'many' is impossible; give a power of two"),
+        (lambda s: s.robustness({MU: "normal(±1%)"}, points=16.5), "points = 16.5 is impossible; give a power of two"),
+        (lambda s: s.robustness({MU: "normal(±1%)"}, seed=None), "seed = None is impossible; give a whole number"),
+        (lambda s: s.robustness({MU: "normal(±1%)"}, bands=[100.0]), "100.0 is no range of frequencies; a band is a pair"),
+        (lambda s: s.robustness({MU: "normal(±1%)"}, bands=100.0), r"give pairs of frequencies in Hz"),
+        (lambda s: s.robustness({MU: "normal(±1%)"}, bands=["ab"]), "'ab' is no range of frequencies; a band is a pair"),
+        (lambda s: s.robustness({MU: "normal(±1%)"}, runs=7), "runs is for runs after pushes, and there are none"),
+        (lambda s: s.robustness({}, pushes="uniform(0,1)", state="Sl"), "state is for eigenvalues of draws"),
+        (lambda s: s.limit_cycles(MU, [1.0], window="long"), "window = 'long' is impossible; give a number"),
+        (lambda s: s.growth_rates(["initial.module[1].v1"], [[1.0]]), "cannot have rows of values"),
+        (lambda s: s.growth_rates(["module[1].x1"], [[1.0]]), "cannot be set: it is an output"),
+    ],
+)
+def test_wrong_settings_are_answered_with_what_would_be_right(set1, misuse, words):
+    with pytest.raises(ArgumentError, match=words):
+        misuse(set1)
 
 
 def test_states_that_are_none_are_refused_and_change_nothing(set1):

@@ -12,9 +12,31 @@ use amontons::scene::Scene;
 use amontons::stability::Spectrum;
 use nalgebra::Complex;
 use std::cmp::Ordering;
+use std::sync::atomic::{AtomicU64, Ordering as Access};
 
 /// The part of a range over which differences are taken.
 const SECANT: f64 = 1e-4;
+
+/// The spectra and derivatives that a search has taken. Nobody knows their number before the search ends, so the part that is done
+/// rises ever more slowly: half of it stands for the usual number.
+pub(super) struct Effort<'a> {
+    count: AtomicU64,
+    usual: f64,
+    progress: &'a (dyn Fn(f64) + Sync),
+}
+
+impl<'a> Effort<'a> {
+    /// No effort so far; `progress` receives the part, from 0 to 1.
+    pub(super) fn new(usual: f64, progress: &'a (dyn Fn(f64) + Sync)) -> Self {
+        Self { count: AtomicU64::new(0), usual, progress }
+    }
+
+    #[allow(clippy::cast_precision_loss)]
+    fn add(&self) {
+        let count = (self.count.fetch_add(1, Access::Relaxed) + 1) as f64;
+        (self.progress)(count / (count + self.usual));
+    }
+}
 
 /// The scene, its changes, and the contact states in which no mode may grow.
 #[derive(Clone, Copy)]
@@ -27,6 +49,7 @@ pub(super) struct Structure<'a> {
     /// `true` if the one contact state is uniform sliding: there must then be an equilibrium in it.
     pub(super) is_uniform: bool,
     pub(super) watch: Watch<'a>,
+    pub(super) effort: &'a Effort<'a>,
 }
 
 /// A contact state at a friction coefficient.
@@ -58,8 +81,10 @@ impl Structure<'_> {
     /// The model after these changes at a friction coefficient.
     ///
     /// # Errors
-    /// Returns an error if values are impossible together, or if the equilibrium is not in uniform sliding, where it has to be.
+    /// Returns an error if values are impossible together, if the equilibrium is not in uniform sliding, where it has to be, or if
+    /// the watch has ended the work.
     pub(super) fn model(&self, changes: &[f64], friction: f64) -> Result<Linearised, Error> {
+        self.watch.check()?;
         let mut scene = self.scene.clone();
         scene.friction_coefficient = friction;
         let scene = scene_at(&scene, self.varied, changes)?;
@@ -85,12 +110,13 @@ impl Structure<'_> {
     /// # Errors
     /// Returns an error if the state cannot be analysed.
     pub(super) fn spectrum(&self, changes: &[f64], place: Place) -> Result<Vec<Found>, Error> {
-        self.watch.check()?;
         self.modes_of(self.model(changes, place.friction)?.linear()?, place)
     }
 
     /// All modes of a model at its place.
     fn modes_of(&self, model: LinearModel<'_>, place: Place) -> Result<Vec<Found>, Error> {
+        self.watch.check()?;
+        self.effort.add();
         let Spectrum { oscillating, real } = Spectrum::of(model, &self.patterns[place.pattern])?;
         let all = oscillating.into_iter().chain(real.into_iter().map(Complex::from));
         Ok(all.map(|eigenvalue| Found { place, eigenvalue }).collect())
@@ -102,7 +128,6 @@ impl Structure<'_> {
     /// Returns an error if values are impossible together, if a state cannot be analysed, or if the watch has ended the work.
     pub(super) fn modes(&self, changes: &[f64], frictions: &[f64]) -> Result<Vec<Found>, Error> {
         let at = |i: usize| {
-            self.watch.check()?;
             let friction = frictions[i];
             let here = self.model(changes, friction)?;
             let linear = here.linear()?;
@@ -127,7 +152,6 @@ impl Structure<'_> {
             .collect();
         let places: Vec<&[Found]> = modes.chunk_by(|a, b| a.place == b.place).collect();
         let at = |i: usize| {
-            self.watch.check()?;
             let Place { pattern, friction } = places[i][0].place;
             let here = self.model(changes, friction)?;
             let values: Vec<Complex<f64>> = places[i].iter().map(|it| it.eigenvalue).collect();
@@ -139,6 +163,7 @@ impl Structure<'_> {
                     Some(by) => by.iter().map(|by| by.re).collect(),
                     None => self.secants(changes, places[i][0].place, *value)?,
                 };
+                self.effort.add();
                 Ok(Row { growth: value.re, by })
             });
             rows.collect::<Result<Vec<Row>, Error>>()

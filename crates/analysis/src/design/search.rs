@@ -26,6 +26,15 @@ pub(super) struct OverRange<'a> {
     pub(super) range: [f64; 2],
 }
 
+/// A look at a solution over the whole range of µ.
+#[derive(Clone, Debug)]
+pub(super) struct Survey {
+    /// The mode that grows fastest, at the values of [`OverRange::finer`] or between them.
+    pub(super) worst: Found,
+    /// The largest growth rate at each of these values, 1/s.
+    pub(super) rates: Vec<f64>,
+}
+
 impl OverRange<'_> {
     /// Values of µ in this many steps.
     fn values(&self, steps: f64) -> Vec<f64> {
@@ -62,7 +71,7 @@ impl OverRange<'_> {
         let mut frictions = self.values(STEPS);
         let mut from = start.to_vec();
         for _ in 0..MOST_ROUNDS {
-            let search = Search { structure: self.structure, frictions: &frictions, aim };
+            let search = Search::new(self.structure, &frictions, aim);
             let solved = search.from(&from)?;
             let worst = self.worst(&solved.changes)?;
             let is_known = frictions.contains(&worst.place.friction);
@@ -90,31 +99,48 @@ impl OverRange<'_> {
             let larger = larger
                 .map(|(change, one)| (change * (1.0 + part)).clamp(one.bounds[0], one.bounds[1]));
             let changes: Vec<f64> = larger.collect();
+            part *= 4.0;
+            // One spectrum shows that most of these changes are still too small.
+            let there = self.structure.fastest_at(&changes, solved.worst.place)?;
+            if there.is_some_and(|it| it.eigenvalue.re > aim.limit) {
+                continue;
+            }
             let worst = self.worst(&changes)?;
             if worst.eigenvalue.re <= aim.limit {
                 return Ok(Solved { changes, worst });
             }
-            part *= 4.0;
         }
         Ok(solved)
     }
 
-    /// The mode that grows fastest in the range after these changes. It is sought at values ten times as dense as those of the
-    /// search, at the highest peaks between them, and where two modes may merge between them.
+    /// The mode that grows fastest in the range after these changes.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::survey`].
+    pub(super) fn worst(&self, changes: &[f64]) -> Result<Found, Error> {
+        Ok(self.survey(changes)?.worst)
+    }
+
+    /// The largest growth rates after these changes. The mode that grows fastest is sought at values ten times as dense as those of
+    /// the search, at the highest peaks between them, and where two modes may merge between them.
     ///
     /// # Errors
     /// Returns an error if a state cannot be analysed, or if the watch has ended the work.
-    pub(super) fn worst(&self, changes: &[f64]) -> Result<Found, Error> {
+    pub(super) fn survey(&self, changes: &[f64]) -> Result<Survey, Error> {
         let values = self.finer();
         let modes = self.structure.modes(changes, &values)?;
         let none =
             || Error::analysis("contacts hold all motions in these states, so there is no mode");
         let mut found = fastest(&modes).ok_or_else(none)?;
+        let at = modes.chunk_by(|a, b| a.place.friction == b.place.friction);
+        let rates = at.filter_map(fastest).map(|it| it.eigenvalue.re).collect();
         let mut peaks = self.peaks(&modes, &values);
         peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
         peaks.truncate(MOST_PEAKS);
         let peaks = peaks.into_iter().map(|(_, pattern, ends)| (pattern, ends));
-        let narrow = approaches(&modes, self.structure.patterns.len());
+        let mut narrow = approaches(&modes, self.structure.patterns.len());
+        // Most approaches are those of modes that decay much faster.
+        narrow.retain(|it| it.reach > found.eigenvalue.re);
         let narrow =
             narrow.into_iter().filter_map(|it| Some((it.pattern, self.narrow(changes, it)?)));
         for (pattern, ends) in peaks.chain(narrow) {
@@ -127,13 +153,13 @@ impl OverRange<'_> {
             let peak = at(largest(&rate, ends))?;
             found = peak.into_iter().chain([found]).max_by(by_growth).unwrap_or(found);
         }
-        Ok(found)
+        Ok(Survey { worst: found, rates })
     }
 
     /// The range of µ between two values in which two modes that approach each other grow faster than at the values; `None` if they
     /// do not.
     fn narrow(&self, changes: &[f64], one: Approach) -> Option<[f64; 2]> {
-        let Approach { pattern, pair, ends, growth } = one;
+        let Approach { pattern, pair, ends, growth, .. } = one;
         let at = |friction: f64| self.structure.spectrum(changes, Place { pattern, friction }).ok();
         let apart = |friction: f64| {
             let all = at(friction).map(|found| gaps(&found));
@@ -170,16 +196,6 @@ impl OverRange<'_> {
         peaks
     }
 
-    /// The largest growth rate at each of these values of µ after these changes, 1/s.
-    ///
-    /// # Errors
-    /// Returns an error if a state cannot be analysed, or if the watch has ended the work.
-    pub(super) fn growth(&self, changes: &[f64], frictions: &[f64]) -> Result<Vec<f64>, Error> {
-        let modes = self.structure.modes(changes, frictions)?;
-        let at = modes.chunk_by(|a, b| a.place.friction == b.place.friction);
-        Ok(at.filter_map(fastest).map(|it| it.eigenvalue.re).collect())
-    }
-
     /// `true` if nothing damps the scene, nor the scene after its changes: without friction no mode decays or grows.
     pub(super) fn is_undamped(&self) -> Result<bool, Error> {
         let varied = self.structure.varied;
@@ -209,16 +225,24 @@ struct Approach {
     pair: usize,
     /// The two values.
     ends: [f64; 2],
-    /// The largest growth rate at the values and between them, 1/s.
+    /// The largest growth rate of the contact state at the values and at the one between them, 1/s.
     growth: f64,
+    /// A growth rate that the two modes do not exceed between the values, 1/s. Before a merging their distance is a root of the
+    /// distance to it, and behind it their growth rates part like the same root: by no more than the larger distance at the ends,
+    /// half of it up.
+    reach: f64,
+}
+
+/// The modes that oscillate, by frequency.
+fn oscillating(modes: &[Found]) -> Vec<Found> {
+    let mut all: Vec<Found> = modes.iter().copied().filter(|it| it.eigenvalue.im > 0.0).collect();
+    all.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
+    all
 }
 
 /// The gaps between neighbouring frequencies of modes that oscillate, rad/s.
 fn gaps(modes: &[Found]) -> Vec<f64> {
-    let mut all: Vec<f64> =
-        modes.iter().map(|it| it.eigenvalue.im).filter(|it| *it > 0.0).collect();
-    all.sort_by(f64::total_cmp);
-    all.windows(2).map(|two| two[1] - two[0]).collect()
+    oscillating(modes).windows(2).map(|two| two[1].eigenvalue.im - two[0].eigenvalue.im).collect()
 }
 
 /// The approaches of modes of each contact state over values of µ. Before two modes merge their distance falls like a root: at the
@@ -242,7 +266,12 @@ fn approaches(modes: &[Found], patterns: usize) -> Vec<Approach> {
                     let rates = places[i..i + 3].iter().flat_map(|place| place.iter());
                     let growth = rates.map(|it| it.eigenvalue.re).fold(f64::NEG_INFINITY, f64::max);
                     let ends = [places[i][0].place.friction, places[i + 2][0].place.friction];
-                    found.push(Approach { pattern, pair, ends, growth });
+                    let pairs = places[i..i + 3].iter().flat_map(|place| {
+                        let all = oscillating(place);
+                        [all[pair].eigenvalue.re, all[pair + 1].eigenvalue.re]
+                    });
+                    let reach = pairs.fold(f64::NEG_INFINITY, f64::max) + before.max(after);
+                    found.push(Approach { pattern, pair, ends, growth, reach });
                 }
             }
         }

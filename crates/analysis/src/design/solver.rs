@@ -12,6 +12,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
 };
+use std::cell::OnceCell;
 
 /// The most steps.
 const MOST_STEPS: usize = 200;
@@ -69,19 +70,36 @@ pub(super) struct Solved {
 
 /// The search at a set of friction coefficients.
 pub(super) struct Search<'a> {
-    pub(super) structure: Structure<'a>,
-    pub(super) frictions: &'a [f64],
-    pub(super) aim: Aim,
+    structure: Structure<'a>,
+    frictions: &'a [f64],
+    aim: Aim,
+    /// The scene itself, which several ways begin at.
+    itself: OnceCell<At>,
+}
+
+/// A trial that was worse than foretold: by a mode that was not near the limit before, or by one of several equal modes, of which
+/// each direction has another.
+struct Trial {
+    /// The place of its fastest mode.
+    place: Place,
+    changes: Vec<f64>,
+    /// The growth rate of this mode, linear about a place a little on the way from the present changes to the trial.
+    row: Option<Row>,
 }
 
 /// Relative changes with all modes there.
+#[derive(Clone)]
 struct At {
     changes: Vec<f64>,
     modes: Vec<Found>,
     worst: Found,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    pub(super) fn new(structure: Structure<'a>, frictions: &'a [f64], aim: Aim) -> Self {
+        Self { structure, frictions, aim, itself: OnceCell::new() }
+    }
+
     /// The end of the search from a start, within the bounds.
     ///
     /// # Errors
@@ -94,12 +112,15 @@ impl Search<'_> {
         }
         let mut price = PRICE;
         let mut radius = 0.3;
-        // Trials that were worse than foretold: by a mode that was not near the limit before, or by one of several equal modes, of which
-        // each direction has another.
-        let mut remembered: Vec<(Place, Vec<f64>)> = Vec::new();
-        let mut linear = self.linear(&here, &remembered)?;
+        let mut trials: Vec<Trial> = Vec::new();
+        let mut near = self.near(&here)?;
         for _ in 0..MOST_STEPS {
             let now = self.merit(&here.changes, here.worst.eigenvalue.re, price);
+            let linear: Vec<Row> = near
+                .iter()
+                .chain(trials.iter().filter_map(|it| it.row.as_ref()))
+                .cloned()
+                .collect();
             let Some(step) = self.step(&here.changes, &linear, price, radius)? else {
                 radius *= 0.3;
                 continue;
@@ -126,17 +147,23 @@ impl Search<'_> {
             let (trial, trial_inside) =
                 if self.is_flat(&trial) { self.edge(trial)? } else { (trial, None) };
             let gained = now - self.merit(&trial.changes, trial.worst.eigenvalue.re, price);
+            let is_taken = gained > 1e-3 * foretold;
             if gained < 0.25 * foretold {
-                remembered.retain(|it| it.0 != trial.worst.place);
-                remembered.push((trial.worst.place, trial.changes.clone()));
-                linear = self.linear(&here, &remembered)?;
+                let (place, changes) = (trial.worst.place, trial.changes.clone());
+                // Rows about changes that the search leaves are of no use.
+                let row = if is_taken { None } else { self.towards(&here, place, &changes)? };
+                trials.retain(|it| it.place != place);
+                trials.push(Trial { place, changes, row });
                 radius *= 0.3;
             } else if gained > 0.7 * foretold {
                 radius = f64::min(2.0 * radius, 1.0);
             }
-            if gained > 1e-3 * foretold {
+            if is_taken {
                 (here, inside) = (trial, trial_inside.or(inside));
-                linear = self.linear(&here, &remembered)?;
+                near = self.near(&here)?;
+                for it in &mut trials {
+                    it.row = self.towards(&here, it.place, &it.changes)?;
+                }
             }
         }
         let At { changes, worst, .. } = match inside {
@@ -156,7 +183,13 @@ impl Search<'_> {
     /// Two changes on the way from the scene itself to stable ones: one that grows a little, and a stable one near it. If the scene
     /// itself does not grow, the stable changes alone.
     fn edge(&self, stable: At) -> Result<(At, Option<At>), Error> {
-        let mut grows = self.at(&vec![0.0; stable.changes.len()])?;
+        let mut grows = match self.itself.get() {
+            Some(itself) => itself.clone(),
+            None => {
+                let itself = self.at(&vec![0.0; stable.changes.len()])?;
+                self.itself.get_or_init(|| itself).clone()
+            }
+        };
         if grows.worst.eigenvalue.re <= 0.0 {
             return Ok((stable, None));
         }
@@ -197,9 +230,8 @@ impl Search<'_> {
         Ok(At { changes: changes.to_vec(), modes, worst })
     }
 
-    /// The growth rates, linear in the changes, of the modes that are near the limit or grow fastest, and of the fastest mode at
-    /// each remembered place, a little on the way to its trial.
-    fn linear(&self, here: &At, remembered: &[(Place, Vec<f64>)]) -> Result<Vec<Row>, Error> {
+    /// The growth rates, linear in the changes, of the modes that are near the limit or grow fastest.
+    fn near(&self, here: &At) -> Result<Vec<Row>, Error> {
         let from = here.worst.eigenvalue.re.min(self.aim.limit) - 0.5 * self.aim.unit;
         let mut places: Vec<usize> = (0..here.modes.len()).collect();
         let growth = |place: &usize| here.modes[*place].eigenvalue.re;
@@ -208,18 +240,21 @@ impl Search<'_> {
             places.iter().copied().filter(|place| growth(place) >= from).take(MOST_ROWS).collect();
         chosen.sort_unstable();
         let modes: Vec<Found> = chosen.into_iter().map(|place| here.modes[place]).collect();
-        let mut rows = self.structure.rows(&here.changes, &modes)?;
-        for (place, trial) in remembered {
-            let way: Vec<f64> =
-                trial.iter().zip(&here.changes).map(|(to, from)| LITTLE * (to - from)).collect();
-            let moved: Vec<f64> = here.changes.iter().zip(&way).map(|(x, step)| x + step).collect();
-            let Some(mode) = self.structure.fastest_at(&moved, *place)? else { continue };
-            for mut row in self.structure.rows(&moved, &[mode])? {
-                row.growth -= row.by.iter().zip(&way).map(|(by, step)| by * step).sum::<f64>();
-                rows.push(row);
-            }
-        }
-        Ok(rows)
+        self.structure.rows(&here.changes, &modes)
+    }
+
+    /// The growth rate of the fastest mode at the place of a trial, linear about a place a little on the way to it; `None` if there
+    /// is no mode.
+    fn towards(&self, here: &At, place: Place, trial: &[f64]) -> Result<Option<Row>, Error> {
+        let way: Vec<f64> =
+            trial.iter().zip(&here.changes).map(|(to, from)| LITTLE * (to - from)).collect();
+        let moved: Vec<f64> = here.changes.iter().zip(&way).map(|(x, step)| x + step).collect();
+        let Some(mode) = self.structure.fastest_at(&moved, place)? else { return Ok(None) };
+        let row = self.structure.rows(&moved, &[mode])?.pop();
+        Ok(row.map(|row| {
+            let back = row.by.iter().zip(&way).map(|(by, step)| by * step).sum::<f64>();
+            Row { growth: row.growth - back, ..row }
+        }))
     }
 
     /// The largest Σ nᵢ (cᵢ xᵢ)² that the bounds allow.

@@ -1,7 +1,7 @@
 //! The design, its trade-off with the growth rate, and its verification.
 
-use super::limits::Structure;
-use super::search::OverRange;
+use super::limits::{Effort, Structure};
+use super::search::{OverRange, Survey};
 use super::solver::{Aim, Solved};
 use super::vary::Varied;
 use super::verify::{Checked, Worst, verified};
@@ -14,12 +14,18 @@ use amontons::contact::ContactState;
 use amontons::decimal::to_significant;
 use amontons::scene::Scene;
 use serde::{Deserialize, Serialize};
+use std::sync::{Mutex, PoisonError};
 
 /// The part of the way from the scene's growth rate to the limit by which a design is better than the limit asks: its changes are
 /// then rounded to four digits.
 const SURPLUS: f64 = 2e-3;
 /// Digits of changes: the first of these with which the limit is kept.
 const DIGITS: [usize; 4] = [4, 6, 9, 17];
+
+/// The usual number of spectra and derivatives of a search from one start for each contact state, over a range and at one value of
+/// the friction coefficient: half of the progress of a start.
+const USUAL: f64 = 6000.0;
+const USUAL_AT_ONE_VALUE: f64 = 100.0;
 
 /// The question of a design.
 pub struct DesignQuestion<'a> {
@@ -106,15 +112,23 @@ impl Reached {
 }
 
 impl DesignQuestion<'_> {
-    fn over<'a>(&'a self, watch: Watch<'a>) -> OverRange<'a> {
+    fn over<'a>(&'a self, watch: Watch<'a>, effort: &'a Effort<'a>) -> OverRange<'a> {
         let structure = Structure {
             scene: self.scene,
             varied: self.varied,
             patterns: self.patterns,
             is_uniform: self.is_uniform,
             watch,
+            effort,
         };
         OverRange { structure, range: self.range }
+    }
+
+    /// The usual number of spectra and derivatives of a search from one start.
+    #[allow(clippy::cast_precision_loss)]
+    fn usual_effort(&self) -> f64 {
+        let values = if self.range[0] < self.range[1] { USUAL } else { USUAL_AT_ONE_VALUE };
+        values * self.patterns.len() as f64
     }
 
     /// The start of a search with this number.
@@ -144,7 +158,16 @@ pub fn design(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<FoundDesign>, Error> {
-    match found(question, journal, watch) {
+    // Searches on several threads report by turns, and none takes back what another one has reported.
+    let most = Mutex::new(0.0);
+    let progress = |part: f64| {
+        let mut most = most.lock().unwrap_or_else(PoisonError::into_inner);
+        if part > *most {
+            *most = part;
+            (watch.progress)(part);
+        }
+    };
+    match found(question, journal, Watch { progress: &progress, ..watch }) {
         Err(_) if watch.is_over() => Ok(None),
         found => found,
     }
@@ -155,15 +178,23 @@ fn found(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<FoundDesign>, Error> {
-    // Runs take most of the time.
     let part = |from: f64, to: f64| move |part: f64| (watch.progress)(from + (to - from) * part);
-    let (of_starts, of_trade, of_runs) = (part(0.0, 0.3), part(0.3, 0.4), part(0.4, 1.0));
-    let over = question.over(Watch { progress: &|_| {}, ..watch });
+    // Where there are runs, they take most of the time.
+    let [first, second] = if question.pushes.is_some() { [0.3, 0.4] } else { [0.75, 0.95] };
+    let (of_scene, of_starts) = (part(0.0, 0.02), part(0.02, first));
+    let (of_trade, of_checks) = (part(first, second), part(second, 1.0));
+    let (usual, idle) = (question.usual_effort(), |_: f64| {});
+    // One look at the scene takes a small part of a search.
+    let (effort, effort_of_scene) =
+        (Effort::new(usual, &idle), Effort::new(0.05 * usual, &of_scene));
+    let over = question.over(watch, &effort);
     let scene_itself = vec![0.0; question.varied.len()];
-    let before = over.worst(&scene_itself)?;
+    let Survey { worst: before, rates: before_rates } =
+        question.over(watch, &effort_of_scene).survey(&scene_itself)?;
     let itself = Reached::of(&over, Solved { changes: scene_itself, worst: before });
     if before.eigenvalue.re <= -question.margin {
-        let verified = verified(question, &over, &itself, journal, watch)?;
+        let checks = Watch { progress: &part(0.02, 1.0), ..watch };
+        let verified = verified(question, &over, &itself, journal, checks)?;
         return Ok(verified.map(|checked| FoundDesign {
             before: itself.worst.clone(),
             least: itself.clone(),
@@ -184,23 +215,33 @@ fn found(
     let limit = -question.margin - surplus;
     let smallest = Aim { limit, unit, is_small: true, is_undamped };
     let least = Aim { is_small: false, ..smallest };
-    let work = |number: usize| {
-        journal.piece(&format!("start {}", number + 1), || {
-            on_this_thread(|| {
-                let start = over.possible(question.start(number))?;
-                let mut kept = over.solve(smallest, &start)?;
-                let least = over.solve(least, &kept.changes)?;
-                let keeps = |it: &Solved| it.worst.eigenvalue.re <= -question.margin;
-                if keeps(&least) && !keeps(&kept) {
-                    kept = over.solve(smallest, &least.changes)?;
-                }
-                let [smallest, least] = [kept, least].map(|solved| Reached::of(&over, solved));
-                Ok(Some(Start { smallest, least }))
-            })
-        })
+    let parts = Mutex::new(vec![0.0; question.starts]);
+    let of_start = |number: usize, part: f64| {
+        let mut parts = parts.lock().unwrap_or_else(PoisonError::into_inner);
+        parts[number] = f64::max(parts[number], part);
+        #[allow(clippy::cast_precision_loss)]
+        of_starts(parts.iter().sum::<f64>() / parts.len() as f64);
     };
-    let parts = Watch { progress: &of_starts, ..watch };
-    let starts = collect(question.starts, &work, &parts.parts(question.starts))?;
+    let work = |number: usize| {
+        let searched = || {
+            let progress = |part: f64| of_start(number, part);
+            let effort = Effort::new(usual, &progress);
+            let over = question.over(watch, &effort);
+            let start = over.possible(question.start(number))?;
+            let mut kept = over.solve(smallest, &start)?;
+            let least = over.solve(least, &kept.changes)?;
+            let keeps = |it: &Solved| it.worst.eigenvalue.re <= -question.margin;
+            if keeps(&least) && !keeps(&kept) {
+                kept = over.solve(smallest, &least.changes)?;
+            }
+            let [smallest, least] = [kept, least].map(|solved| Reached::of(&over, solved));
+            Ok(Some(Start { smallest, least }))
+        };
+        let found = journal.piece(&format!("start {}", number + 1), || on_this_thread(searched))?;
+        of_start(number, 1.0);
+        Ok(found)
+    };
+    let starts = collect(question.starts, &work, &|_| {})?;
     let Some(starts) = starts.into_iter().collect::<Option<Vec<Start>>>() else { return Ok(None) };
     let all = || starts.iter().flat_map(|start| [&start.smallest, &start.least]);
     let by_growth = |a: &&Reached, b: &&Reached| a.worst.growth.total_cmp(&b.worst.growth);
@@ -215,20 +256,18 @@ fn found(
         [smallest().count(), smallest().filter(|it| it.size <= 1.01 * size).count()]
     };
     let chosen = kept.as_ref().unwrap_or(&least);
-    let design = rounded(&over, chosen, -question.margin)?;
+    let (design, after_rates) = rounded(&over, chosen, -question.margin)?;
     let trade = Watch { progress: &of_trade, ..watch };
     let trade_off = journal.piece("trade-off", || {
-        trade_off(question, &over, smallest, [&itself, &design, &least], trade).map(Some)
+        trade_off(question, smallest, [&itself, &design, &least], trade).map(Some)
     })?;
     // Workers share the runs in the round of the trade-off.
-    let runs = Watch { progress: &of_runs, ..watch };
+    let runs = Watch { progress: &of_checks, ..watch };
     let checked = verified(question, &over, &design, journal, runs)?;
     let Some((trade_off, checked)) = trade_off.zip(checked) else { return Ok(None) };
-    let looked = over.finer();
-    let [before, after] = [&itself, &design].map(|it| over.growth(&it.changes, &looked));
-    let both = before?.into_iter().zip(after?);
-    let growth = looked.iter().zip(both);
-    let growth = growth.map(|(&friction, (before, after))| Growth { friction, before, after });
+    let both = before_rates.into_iter().zip(after_rates);
+    let growth = over.finer().into_iter().zip(both);
+    let growth = growth.map(|(friction, (before, after))| Growth { friction, before, after });
     Ok(Some(FoundDesign {
         before: itself.worst,
         least,
@@ -243,8 +282,12 @@ fn found(
 }
 
 /// A change with four digits, or with as many as it takes to keep a limit (1/s) that it keeps. A change of a millionth of its
-/// range is 0.
-fn rounded(over: &OverRange<'_>, reached: &Reached, limit: f64) -> Result<Reached, Error> {
+/// range is 0. With it, the largest growth rate at each value of µ.
+fn rounded(
+    over: &OverRange<'_>,
+    reached: &Reached,
+    limit: f64,
+) -> Result<(Reached, Vec<f64>), Error> {
     let to = |digits: usize| {
         let pairs = over.structure.varied.iter().zip(&reached.changes);
         let changes = pairs.map(|(one, &change)| {
@@ -253,28 +296,32 @@ fn rounded(over: &OverRange<'_>, reached: &Reached, limit: f64) -> Result<Reache
             if is_small { 0.0 } else { to_significant(change, digits).clamp(low, high) }
         });
         let changes: Vec<f64> = changes.collect();
-        let worst = over.worst(&changes)?;
-        Ok(Reached::of(over, Solved { changes, worst }))
+        let Survey { worst, rates } = over.survey(&changes)?;
+        Ok((Reached::of(over, Solved { changes, worst }), rates))
     };
     for digits in DIGITS {
         match to(digits) {
             Err(error) if over.structure.watch.is_over() => return Err(error),
-            Ok(found) if found.worst.growth <= limit.max(reached.worst.growth) => return Ok(found),
+            Ok((found, rates)) if found.worst.growth <= limit.max(reached.worst.growth) => {
+                return Ok((found, rates));
+            }
             // Rounded values may also be impossible together.
             _ => {}
         }
     }
-    Ok(reached.clone())
+    Ok((reached.clone(), over.survey(&reached.changes)?.rates))
 }
 
 /// Smallest changes for growth rates between that of the scene and the least one, by size. The scene itself, the design and the
 /// change with the least growth rate are among them.
 ///
+/// It is one piece of work: each point starts from the one before, which leads along the curve from one local minimum to the next, so
+/// no point can be found without those before.
+///
 /// # Errors
 /// Returns an error if a state cannot be analysed, or if the watch has ended the work.
 fn trade_off(
     question: &DesignQuestion<'_>,
-    over: &OverRange<'_>,
     aim: Aim,
     [before, design, least]: [&Reached; 3],
     watch: Watch<'_>,
@@ -284,20 +331,26 @@ fn trade_off(
     if from <= to {
         return Ok(found);
     }
+    #[allow(clippy::cast_precision_loss)]
+    let count = question.points as f64;
     for number in 1..=question.points {
         #[allow(clippy::cast_precision_loss)]
-        let part = number as f64 / (question.points + 1) as f64;
+        let number = number as f64;
+        let progress = |part: f64| (watch.progress)((number - 1.0 + part) / count);
+        let effort = Effort::new(question.usual_effort(), &progress);
+        let over = question.over(watch, &effort);
+        let part = number / (count + 1.0);
         let limit = from + (to - from) * part;
         let aim = Aim { limit, unit: from - to, ..aim };
         let last = &found[found.len() - 1];
         let mut ends = Vec::new();
         for start in [&last.changes, &design.changes] {
-            ends.push(Reached::of(over, over.solve(aim, start)?));
+            ends.push(Reached::of(&over, over.solve(aim, start)?));
         }
         let is_above = |it: &Reached| it.worst.growth - limit > 1e-6 * (from - to);
         ends.sort_by(|a, b| is_above(a).cmp(&is_above(b)).then(a.size.total_cmp(&b.size)));
         found.extend(ends.into_iter().next());
-        (watch.progress)(part);
+        progress(1.0);
     }
     found.extend([design.clone(), least.clone()]);
     found.sort_by(|a, b| a.size.total_cmp(&b.size).then(a.worst.growth.total_cmp(&b.worst.growth)));

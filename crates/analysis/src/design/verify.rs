@@ -46,8 +46,6 @@ pub struct Remaining {
 pub struct Checked {
     /// Number of friction coefficients at which the eigenvalues of the chosen states were computed.
     pub frictions: usize,
-    /// The mode of the chosen states that grows fastest.
-    pub worst: Worst,
     /// The least friction coefficient without an equilibrium, and the reason; `None` if each has one.
     pub no_equilibrium: Option<(f64, String)>,
     /// Candidates for a second motion that are left; `None` if a mode grows, if the equilibrium is not in uniform sliding, or if there are
@@ -132,17 +130,18 @@ pub(super) fn verified(
         }
         _ => None,
     };
-    let worst = design.worst.clone();
-    Ok(Some(Checked { frictions: looked.len(), worst, no_equilibrium, remaining, runs }))
+    Ok(Some(Checked { frictions: looked.len(), no_equilibrium, remaining, runs }))
 }
 
-/// The first friction coefficient of a range at which there is no equilibrium with all contacts as uniform sliding has them.
-pub(super) fn no_equilibrium(
+/// The first of these friction coefficients at which there is no equilibrium, with the reason. For uniform sliding there is one at
+/// each: eigenvalues need it, and are there.
+fn no_equilibrium(
     over: &OverRange<'_>,
     changes: &[f64],
     frictions: &[f64],
 ) -> Result<Option<(f64, String)>, Error> {
-    for friction in frictions {
+    let unseen = if over.structure.is_uniform { &[] } else { frictions };
+    for friction in unseen {
         let here: Linearised = over.structure.model(changes, *friction)?;
         if let Err(error) = here.equilibrium() {
             if !error.is_equilibrium() {
@@ -155,7 +154,7 @@ pub(super) fn no_equilibrium(
 }
 
 /// The candidates for a second motion of a scene over a range; `None` if there are too many contacts, or no equilibrium.
-pub(super) fn remaining(
+fn remaining(
     scene: &Scene,
     range: [f64; 2],
     watch: Watch<'_>,

@@ -1,123 +1,57 @@
 //! The random direction of a push.
 //!
-//! With M = L Lᵀ, a velocity v = L⁻ᵀ ξ of independent normal draws ξ has the same kinetic energy |ξ|²/2 on average in every
-//! direction. Closed contacts hold their normals n: nᵀ v = (L⁻¹ n)ᵀ ξ is to vanish, so ξ is projected at right angles to all
-//! L⁻¹ n. What is left has the same energy on average in every direction along which no contact opens or closes.
+//! Independent normal draws of all velocities, in coordinates in which they have the same kinetic energy, have the same energy on average in
+//! every direction along which no closed contact opens or closes ([`Held`]). The size of a push is that of the fastest point: a mass, or
+//! a node of a superelement. Rotations and modal coordinates have other units, and move with it.
 
 use super::normal::quantile;
 use super::sobol::random;
 use crate::stability::Linearised;
-use crate::study::closed_normals;
+use crate::study::{Held, closed_normals, loudness::translations};
 use amontons::Error;
-use amontons::model::{Direction, SparseMatrix};
-use amontons::numerics::max_norm;
 use amontons::scene::Scene;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::DVector;
 
 /// The place of the numbers of a direction among those that a run draws.
 const DIRECTION: u64 = 3;
-/// A vector this small, in parts of what it was before a projection, is rounding.
-const ROUNDING: f64 = 1e-9;
 
-/// L of M = L Lᵀ.
-enum Root {
-    /// The square roots of a diagonal M.
-    Diagonal(Vec<f64>),
-    Full(Cholesky<f64, Dyn>),
-}
-
-impl Root {
-    fn of(mass: &SparseMatrix) -> Result<Self, Error> {
-        if let Some(diagonal) = mass.as_diagonal() {
-            return Ok(Self::Diagonal(diagonal.iter().map(|mass| mass.sqrt()).collect()));
-        }
-        let full = DMatrix::from_fn(mass.rows(), mass.rows(), |i, j| mass.get(i, j));
-        Cholesky::new(full).map(Self::Full).ok_or_else(|| {
-            Error::argument(
-                "the scene cannot be pushed: its mass matrix is not positive definite; leave out --pushes",
-            )
-        })
-    }
-
-    /// L⁻¹ n.
-    fn scaled(&self, normal: &Direction, dofs: usize) -> DVector<f64> {
-        let mut vector = DVector::zeros(dofs);
-        for &(dof, part) in &normal.0 {
-            vector[dof] += part;
-        }
-        match self {
-            Self::Diagonal(roots) => {
-                vector.iter_mut().zip(roots).for_each(|(part, root)| *part /= root);
-            }
-            Self::Full(factor) => {
-                factor.l_dirty().solve_lower_triangular_mut(&mut vector);
-            }
-        }
-        vector
-    }
-
-    /// L⁻ᵀ ξ.
-    fn velocity(&self, mut draws: DVector<f64>) -> Vec<f64> {
-        match self {
-            Self::Diagonal(roots) => {
-                draws.iter_mut().zip(roots).for_each(|(part, root)| *part /= root);
-            }
-            Self::Full(factor) => {
-                factor.l_dirty().tr_solve_lower_triangular_mut(&mut draws);
-            }
-        }
-        draws.iter().copied().collect()
-    }
-}
-
-/// A random direction of the velocities of all degrees of freedom, the largest 1: that of run `number`. No closed contact
-/// moves along its normal.
+/// A random direction of the velocities of all degrees of freedom, that of run `number`, in which the fastest point moves with 1. No
+/// closed contact moves along its normal.
 ///
 /// # Errors
-/// Returns an error if closed contacts hold every direction, or if the mass matrix is not positive definite.
+/// Returns an error if closed contacts hold every direction, if no point can move, or if the mass matrix is not positive definite.
 pub(super) fn direction(scene: &Scene, seed: u64, number: u64) -> Result<Vec<f64>, Error> {
     let here = Linearised::of(scene);
     let dofs = here.model().dofs();
-    let root = Root::of(&here.model().mass)?;
-    let mut held: Vec<DVector<f64>> = Vec::new();
-    for normal in closed_normals(&here) {
-        let mut vector = root.scaled(normal, dofs);
-        let before = vector.norm();
-        remove(&held, &mut vector);
-        // A normal that others hold already adds none.
-        let after = vector.norm();
-        if after > ROUNDING * before {
-            held.push(vector / after);
-        }
-    }
-    let draw = |dof: usize| quantile(random(seed, &[number, DIRECTION, dof as u64]));
-    let mut draws = DVector::from_iterator(dofs, (0..dofs).map(draw));
-    remove(&held, &mut draws);
-    let mut along = root.velocity(draws);
-    if held.len() >= dofs {
+    let mut held = Held::none(&here.model().mass)?;
+    closed_normals(&here).into_iter().for_each(|normal| held.hold(normal));
+    if held.is_all() {
         return Err(Error::argument(
             "the scene cannot be pushed: closed contacts hold every direction of motion; leave out --pushes",
         ));
     }
-    let largest = max_norm(&along);
-    along.iter_mut().for_each(|part| *part /= largest);
+    let draw = |dof: usize| quantile(random(seed, &[number, DIRECTION, dof as u64]));
+    let mut along = held.velocity(DVector::from_iterator(dofs, (0..dofs).map(draw)));
+    let fastest = fastest_point(scene, &along);
+    if fastest == 0.0 {
+        return Err(Error::argument(
+            "the scene cannot be pushed: no mass and no node of it can move, so a push has no velocity; leave out --pushes",
+        ));
+    }
+    along.iter_mut().for_each(|part| *part /= fastest);
     Ok(along)
 }
 
-/// Removes the parts of a vector along vectors of length 1 at right angles; twice, against rounding.
-fn remove(held: &[DVector<f64>], vector: &mut DVector<f64>) {
-    for _ in 0..2 {
-        for unit in held {
-            let part = unit.dot(vector);
-            vector.axpy(-part, unit, 1.0);
-        }
-    }
+/// The speed of the fastest mass or node, with these velocities of all degrees of freedom, m/s; 0 without masses and nodes.
+fn fastest_point(scene: &Scene, velocity: &[f64]) -> f64 {
+    let square = |dofs: &Vec<usize>| dofs.iter().map(|dof| velocity[*dof].powi(2)).sum::<f64>();
+    translations(scene).iter().map(square).fold(0.0, f64::max).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use amontons::scene::{builtin, parse};
+    use amontons::scene::{Freedom, SuperelementMatrices, builtin, parse, read};
 
     /// The shares of the kinetic energy in each degree of freedom, for some directions.
     fn shares(scene: &Scene, draws: u64, each: impl Fn(&[f64])) -> Vec<f64> {
@@ -125,7 +59,7 @@ mod tests {
         let mut sums = vec![0.0; mass.rows()];
         for number in 0..draws {
             let along = direction(scene, 1, number).unwrap();
-            assert_eq!(max_norm(&along), 1.0);
+            assert!((fastest_point(scene, &along) - 1.0).abs() < 1e-12);
             each(&along);
             let energy = |dof: usize| along[dof] * mass.row_times(dof, &along);
             let all: f64 = (0..along.len()).map(energy).sum();
@@ -188,27 +122,35 @@ mod tests {
         assert!(found[2..].iter().all(|share| (share - 1.0 / 3.0).abs() < 0.05), "{found:?}");
     }
 
-    /// One mass of 2 kg and one of 1 kg whose coupling is 0.5 kg.
+    /// A node of 1 kg on a belt with a rotation and a modal coordinate, whose inertias of 1e-4 make both a hundred times as fast as its
+    /// motion along the belt.
     #[test]
-    fn draws_of_a_full_mass_matrix_have_its_inverse_as_covariance() {
-        const DRAWS: u32 = 20_000;
-        let mass =
-            SparseMatrix::from_entries(2, vec![(0, 0, 2.0), (0, 1, 0.5), (1, 0, 0.5), (1, 1, 1.0)]);
-        let root = Root::of(&mass).unwrap();
-        let mut sums = [0.0; 3];
-        for number in 0..DRAWS {
-            let draw = |dof: u64| quantile(random(7, &[u64::from(number), DIRECTION, dof]));
-            let v = root.velocity(DVector::from_vec(vec![draw(0), draw(1)]));
-            for (sum, product) in sums.iter_mut().zip([v[0] * v[0], v[0] * v[1], v[1] * v[1]]) {
-                *sum += product / f64::from(DRAWS);
-            }
+    fn the_size_of_a_push_is_the_velocity_of_a_node_and_not_that_of_rotations_and_modal_coordinates()
+     {
+        let freedoms = [(1, 1), (1, 2), (1, 6), (1, 0)];
+        let freedoms = freedoms.map(|(node, direction)| Freedom { node, direction }).to_vec();
+        let diagonal = |values: [f64; 4]| {
+            let mut matrix = vec![0.0; 16];
+            values.into_iter().enumerate().for_each(|(i, value)| matrix[5 * i] = value);
+            matrix
+        };
+        let (mass, stiffness) = (diagonal([1.0, 1.0, 1e-4, 1e-4]), diagonal([1e6, 1e6, 1e2, 1e2]));
+        let matrices =
+            SuperelementMatrices::new(freedoms, mass, stiffness, diagonal([0.0; 4])).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("s.superelement"), matrices.to_bytes()).unwrap();
+        let text = "slider = { velocity = 0.2, angle = 0.0 }\nfriction = { coefficient = 0.3 }\n\
+             integrator = { step = 1e-6 }\n\
+             superelement = [{ name = \"s\", file = \"s.superelement\" }]\n\
+             contact = [{ name = \"belt\", mass = \"s.1\", normal = [0.0, 1.0, 0.0], tangent = [1.0, 0.0, 0.0] }]\n\
+             load = [{ superelement = \"s\", nodes = [1], force = [0.0, -100.0, 0.0] }]\n";
+        let path = folder.path().join("scene.toml");
+        std::fs::write(&path, text).unwrap();
+        let scene = read(&path).unwrap().0;
+        for number in 0..20 {
+            let along = direction(&scene, 1, number).unwrap();
+            assert!((along[0].abs() - 1.0).abs() < 1e-12 && along[1] == 0.0, "{along:?}");
+            assert!(along[2].abs() > 1.0 && along[3].abs() > 1.0, "{along:?}");
         }
-        // The determinant is 1.75.
-        for (sum, expected) in sums.into_iter().zip([1.0 / 1.75, -0.5 / 1.75, 2.0 / 1.75]) {
-            assert!((sum - expected).abs() < 0.04, "{sum} {expected}");
-        }
-        // nᵀ M⁻¹ n.
-        let square = root.scaled(&Direction::unit(1), 2).norm_squared();
-        assert!((square - 2.0 / 1.75).abs() < 1e-15, "{square}");
     }
 }

@@ -75,7 +75,7 @@ fn named(scene: &Scene, names: &[String]) -> Result<Vec<Variable>, Error> {
         if names[..place].contains(name) {
             return Err(Error::argument(format!("{name} is named twice; name it once")));
         }
-        match &matching(scene, &known, name, "be uncertain")?[..] {
+        match &matching(scene, &known, name, "have rows of values")?[..] {
             [variable] if variable.name == *name => Ok((*variable).clone()),
             _ => Err(Error::argument(format!(
                 "{name} stands for several parameters; name each of them, with a column of its own"
@@ -144,7 +144,9 @@ mod tests {
         refused(&[mu, mu], &[1.0, 1.0], &["named twice"]);
         refused(&["module[*].k6"], &[1.0], &["stands for several parameters"]);
         refused(&["friction.cofficient"], &[1.0], &["did you mean friction.coefficient?"]);
-        refused(&["initial.module[1].v1"], &[1.0], &["do not depend on initial values"]);
+        let initial = "initial.module[1].v1 cannot have rows of values: eigenvalues do not depend on initial values";
+        refused(&["initial.module[1].v1"], &[1.0], &[initial]);
+        refused(&["module[1].x1"], &[1.0], &["module[1].x1 cannot be set: it is an output"]);
         assert_eq!(rates(&scene, &[mu], &[]), Ok(Vec::new()));
     }
 }

@@ -1,7 +1,7 @@
 //! The probability that a scene squeals after a push: runs of draws, each until its motion has settled.
 //!
 //! A run starts at rest in the equilibrium of its draw. The push is a velocity in a random [`direction`](super::direction),
-//! whose largest one is that of the push. Draws of runs are independent, so shares have an exact interval.
+//! in which the fastest mass or node has the velocity of the push. Draws of runs are independent, so shares have an exact interval.
 
 use super::direction::direction;
 use super::distribution::{Distribution, Draws};
@@ -29,7 +29,7 @@ pub struct Pushes<'a> {
     pub scene: &'a Scene,
     /// The parameters that scatter; there may be none.
     pub parameters: &'a [Parameter],
-    /// The largest velocity of a push, m/s.
+    /// The velocity that a push gives the fastest mass or node, m/s.
     pub velocity: &'a Draws,
     /// Gives each draw its method and step, and the settings with which its motion is observed.
     pub prepare: Prepare<'a>,
@@ -76,7 +76,7 @@ impl End {
 pub struct PushedRun {
     /// The values of the parameters that scatter, in their order.
     pub values: Vec<f64>,
-    /// The largest velocity of the push, m/s.
+    /// The velocity of the fastest mass or node, m/s.
     pub push: f64,
     /// Its end.
     pub end: End,

@@ -231,8 +231,7 @@ fn check_kind(name: &str, verb: &str) -> Result<(), Error> {
     let kind = [("initial.", "initial values"), ("signal[", "signals")];
     match kind.into_iter().find(|(start, _)| name.starts_with(start)) {
         Some((_, kind)) => Err(Error::argument(format!(
-            "{name} cannot {verb}: eigenvalues do not depend on {kind}; give parameters of the scene, and --pushes for the \
-             start of runs"
+            "{name} cannot {verb}: eigenvalues do not depend on {kind}; give parameters of the scene"
         ))),
         None => Ok(()),
     }
@@ -247,7 +246,9 @@ fn missing(scene: &Scene, name: &str, verb: &str) -> Error {
             "no parameter or input of {} matches {name}: {error}",
             scene.name
         )),
-        (Ok(_), _) => Error::argument(format!("{name} cannot {verb}")),
+        (Ok(_), _) => Error::argument(format!(
+            "{name} cannot {verb}: eigenvalues do not depend on it; give parameters of the scene"
+        )),
     }
 }
 

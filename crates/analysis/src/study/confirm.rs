@@ -2,6 +2,7 @@
 //! takes the candidate's contact state and stays.
 
 use super::Watch;
+use super::held::{Held, ROUNDING};
 use super::long_term::{Kind, LongTermMotion};
 use super::observation::{ObservationRequest, ObservationSettings};
 use super::push::closed_normals;
@@ -13,6 +14,7 @@ use crate::stability::{Linearised, modes};
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::model::{Contact, LumpedModel};
+use amontons::numerics::max_norm;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
 
@@ -180,17 +182,28 @@ pub(super) fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<V
     if inwards < 0.0 {
         along.iter_mut().for_each(|part| *part = -*part);
     }
-    for normal in closed_normals(&here) {
-        // Along the normal the push may lead off the surface.
-        let into = normal.dot(&along);
-        if into < 0.0 {
-            let square: f64 = normal.0.iter().map(|(_, part)| part * part).sum();
-            normal.add_to(&mut along, -into / square);
+    let fastest = max_norm(&along);
+    let along = off_surfaces(&here, &along)?;
+    let largest = max_norm(&along);
+    // All that is left of a push into surfaces that hold every motion is rounding.
+    let is_push = largest > ROUNDING * fastest;
+    Ok(is_push.then(|| along.iter().map(|part| part / largest).collect()))
+}
+
+/// The velocity that is left of another one where surfaces of closed contacts hold what leads into them, the most inward first: off one
+/// surface it may lead into another that was free before. Along normals it may lead off surfaces.
+fn off_surfaces(here: &Linearised, velocity: &[f64]) -> Result<Vec<f64>, Error> {
+    let mut held = Held::none(&here.model().mass)?;
+    let mut free = closed_normals(here);
+    let mut along = velocity.to_vec();
+    loop {
+        let inwards = free.iter().map(|normal| normal.dot(&along)).enumerate();
+        match inwards.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((place, most)) if most < 0.0 => held.hold(free.swap_remove(place)),
+            _ => return Ok(along),
         }
+        along = held.nearest(velocity);
     }
-    let largest = along.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
-    along.iter_mut().for_each(|part| *part /= largest);
-    Ok((largest > 0.0).then_some(along))
 }
 
 /// Pushes the scene and follows the motion to its end. Returns that motion and, if it persists, the states that
@@ -256,6 +269,38 @@ mod tests {
             attempt.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle() && ending.taken[2])
         };
         assert!(tried.attempts.iter().any(squeals), "{tried:?}");
+    }
+
+    /// A block of 2 kg lies in a groove whose sides are inclined by 0.6 and −0.4 rad. A velocity that is taken off one side alone leads into
+    /// the other. The nearest possible velocity is itself, or along a side, or none.
+    #[test]
+    fn a_push_into_a_groove_leads_into_neither_of_its_sides() {
+        let text = "slider = { velocity = 0.5, angle = 0.0 }\nfriction = { coefficient = 0.1 }\n\
+             integrator = { step = 1e-6 }\n\
+             mass = [{ name = \"block\", mass = 2.0, force = [0.0, -50.0] }]\n\
+             spring = [{ name = \"kx\", between = [\"block\", \"ground\"], direction = \"x\", stiffness = 100.0 },\n\
+             { name = \"ky\", between = [\"block\", \"ground\"], direction = \"y\", stiffness = 100.0 }]\n\
+             contact = [{ name = \"left\", mass = \"block\", angle = -0.4 }, { name = \"right\", mass = \"block\", angle = 0.6 }]\n";
+        let here = Linearised::of(&parse("groove", text).unwrap());
+        assert_eq!(closed_normals(&here).len(), 2);
+        let along = |angle: f64, size: f64| [size * angle.cos(), size * angle.sin()];
+        let into = |[x, y]: [f64; 2]| {
+            [-0.4_f64, 0.6]
+                .map(|angle| x * -angle.sin() + y * angle.cos())
+                .into_iter()
+                .fold(0.0, f64::min)
+        };
+        for degree in 0..360 {
+            let push = along(f64::from(degree).to_radians(), 1.0);
+            let apart = |it: &[f64; 2]| (it[0] - push[0]).hypot(it[1] - push[1]);
+            let on_side = |angle: f64| along(angle, push[0] * angle.cos() + push[1] * angle.sin());
+            let all = [push, on_side(-0.4), on_side(0.6), [0.0; 2]];
+            let possible = all.into_iter().filter(|it| into(*it) > -1e-12);
+            let expected = possible.min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+            let found = off_surfaces(&here, &push).unwrap();
+            let miss = (found[0] - expected[0]).hypot(found[1] - expected[1]);
+            assert!(miss < 1e-9, "{degree}: {found:?} {expected:?}");
+        }
     }
 
     #[test]

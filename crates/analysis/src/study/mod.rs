@@ -17,6 +17,7 @@
 //! | `confirm` | pushes that may lead to the contact state of a candidate |
 //! | `orbit` | one periodic motion, solved for itself |
 //! | `branches` | branches of periodic motions over a parameter |
+//! | `held` | velocities along which some contacts neither open nor close |
 //! | `push` | a small push out of an equilibrium |
 //! | `limit_cycle` | endings of a scene over the values of a parameter, and thresholds of contact states |
 //! | `portrait` | phase portraits of a settled motion |
@@ -42,6 +43,7 @@ mod difference;
 mod drive;
 mod fading;
 mod family;
+mod held;
 mod initial;
 mod limit_cycle;
 mod linear;
@@ -68,6 +70,7 @@ pub use continuation::{
     Bistable, Continuation, Jump, Plan, Point, RestAndMotion, SweepDirection, ThirdMotion,
     continuation,
 };
+pub(crate) use held::Held;
 pub use initial::{history, initial_value};
 pub use limit_cycle::{
     Change, LimitCycles, MotionBracket, Outcome, Question, Regime, limit_cycles, settled_motion,

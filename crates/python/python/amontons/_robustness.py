@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _core
 from ._errors import ArgumentError
 from ._executors import Executor
 from ._progress import reporting
-from ._studies import _array, _observation, _run
+from ._studies import _array, _number, _observation, _run
 from ._tables import columns, give_units, names_of, table
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def robustness(
     bands: Sequence[tuple[float, float]] | None = None,
     indices: bool = True,
     pushes: str | None = None,
-    runs: int = 100,
+    runs: int | None = None,
     of: str | None = None,
     window: float | None = None,
     interval: float | None = None,
@@ -69,8 +69,8 @@ def robustness(
     pushes : str, optional
         Run draws too, each after a push in a random direction: the distribution of the push's largest velocity, m/s, such as
         ``"uniform(0,0.1)"``. The settings after it are those of the runs.
-    runs : int
-        Number of runs after pushes.
+    runs : int, optional
+        Number of runs after pushes; by default 100.
     of, window, interval, longest, executor, progress
         As in `limit_cycles`.
 
@@ -100,21 +100,27 @@ def robustness(
     """
     import numpy as np
 
+    of_runs = {"runs": runs, "of": of, "window": window, "interval": interval, "longest": longest}
+    _of_runs_alone(pushes is None, of_runs, "give pushes")
+    of_draws = {"state": state, "bands": bands, "indices": None if indices else False}
+    idle = [name for name, value in of_draws.items() if value is not None]
+    if idle and uncertain == {}:
+        raise ArgumentError(
+            f"{idle[0]} is for eigenvalues of draws, and no parameter scatters: leave it out, or give uncertain parameters"
+        )
     request = {
         "study": "robustness",
         "uncertain": _texts(uncertain),
         "state": state,
-        "points": _count(points, "points"),
+        "points": _count(points, "points", "give a power of two, such as 1024"),
         "scramblings": _count(scramblings, "scramblings"),
         "seed": _count(seed, "seed"),
         "bands": None if bands is None else _bands(bands),
         "indices": bool(indices),
         "pushes": None if pushes is None else str(pushes),
-        "runs": _count(runs, "runs"),
+        "runs": 100 if runs is None else _count(runs, "runs"),
         **_observation(of, window, interval, longest),
     }
-    if pushes is None and any(setting is not None for setting in (of, window, interval, longest)):
-        raise ArgumentError("of, window, interval and longest are for runs after pushes; leave them out, or give pushes")
     found = _run(scene, request, executor, progress, "the draws")
     result = found["result"]
     for note in result["notes"]:
@@ -236,18 +242,37 @@ def _texts(uncertain: Mapping[str, str]) -> list[tuple[str, str]]:
 
 
 def _bands(bands: Sequence[tuple[float, float]]) -> list[list[float]]:
-    ranges = [[float(end) for end in band] for band in bands]
-    for band in ranges:
-        if len(band) != 2 or not 0.0 <= band[0] < band[1] < float("inf"):
-            raise ArgumentError(f"{band} is no range of frequencies; give its ends in Hz, such as (0.0, 500.0)")
-    return ranges
+    if not isinstance(bands, Iterable) or isinstance(bands, str):
+        raise ArgumentError(f"bands = {bands!r} are no ranges; give pairs of frequencies in Hz, such as [(0.0, 500.0)]")
+    return [_band(band) for band in bands]
 
 
-def _count(value: int, name: str) -> int:
-    number = int(value)
-    if number != value or not 0 <= number < 2**63:
-        raise ArgumentError(f"{name} = {value!r} is impossible; give a whole number from zero")
+def _band(band: Any) -> list[float]:
+    wish = "a band is a pair of its ends in Hz, such as (0.0, 500.0)"
+    if not isinstance(band, Iterable) or isinstance(band, str):
+        raise ArgumentError(f"{band!r} is no range of frequencies; {wish}")
+    ends = [_number(end, "a band") for end in band]
+    if len(ends) != 2 or not 0.0 <= ends[0] < ends[1] < float("inf"):
+        raise ArgumentError(f"{band!r} is no range of frequencies; {wish}")
+    return ends
+
+
+def _count(value: Any, name: str, wish: str = "give a whole number from zero") -> int:
+    try:
+        number = int(value)
+        is_count = not isinstance(value, str) and number == value and 0 <= number < 2**63
+    except (TypeError, ValueError, OverflowError):
+        is_count = False
+    if not is_count:
+        raise ArgumentError(f"{name} = {value!r} is impossible; {wish}")
     return number
+
+
+def _of_runs_alone(has_none: bool, given: Mapping[str, object], instead: str) -> None:
+    """Refuses settings of runs where there are none."""
+    idle = [name for name, value in given.items() if value is not None]
+    if has_none and idle:
+        raise ArgumentError(f"{idle[0]} is for runs after pushes, and there are none: leave it out, or {instead}")
 
 
 def _index(what: str, index: dict[str, dict[str, float]] | None) -> dict[str, float | None]:

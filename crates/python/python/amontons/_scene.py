@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from . import _core, _loudness, _robustness, _studies
+from . import _core, _design, _loudness, _robustness, _studies
 from ._errors import ArgumentError, Error
 from ._progress import reporting
 from ._tables import columns, give_units, names_of, table
@@ -661,6 +661,7 @@ class Scene:
     robustness = _robustness.robustness
     growth_rates = _robustness.growth_rates
     loudness = _loudness.loudness
+    design = _design.design
 
 
 class Drawing:

@@ -508,10 +508,20 @@ def _power_of_two(value: int, name: str) -> int:
     return number
 
 
-def _above_zero(value: float, name: str) -> float:
-    number = float(value)
-    if not 0.0 < number < float("inf"):
+def _above_zero(value: Any, name: str) -> float:
+    number = _number(value, name)
+    if number <= 0.0:
         raise ArgumentError(f"{name} = {value!r} is impossible; give a finite number above zero")
+    return number
+
+
+def _number(value: Any, name: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{name} = {value!r} is impossible; give a number") from None
+    if not isfinite(number):
+        raise ArgumentError(f"{name} = {value!r} is impossible; give a finite number")
     return number
 
 

@@ -19,6 +19,7 @@ mod shares;
 mod ways;
 
 pub use measure::{ContactPower, Measured, PointMotion, Power, TakenStates};
+pub(crate) use points::translations;
 pub use points::{MeasuredPoint, measured_points};
 pub use ranks::disagreements;
 pub use shares::ModeShare;

@@ -65,6 +65,11 @@ fn unknown(scene: &Scene, name: &str, all: &[(MeasuredPoint, bool)]) -> Error {
     Error::argument(format!("{} has no point {name}; {help}", scene.name))
 }
 
+/// The degrees of freedom of each mass and of each node of a superelement along directions in space.
+pub(crate) fn translations(scene: &Scene) -> Vec<Vec<usize>> {
+    all_points(scene).into_iter().map(|(point, _)| point.dofs).collect()
+}
+
 /// All points, each with `true` if it is among those that are measured without being named.
 fn all_points(scene: &Scene) -> Vec<(MeasuredPoint, bool)> {
     let model = LumpedModel::from(scene);

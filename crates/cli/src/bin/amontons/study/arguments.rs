@@ -146,3 +146,19 @@ impl ObservationOptions {
         }
     }
 }
+
+/// The first given option that acts on runs alone, so that eigenvalues do not depend on it.
+pub fn only_of_runs(common: &StudyArguments, options: &ObservationOptions) -> Option<&'static str> {
+    let ObservationOptions { of, window, interval, longest } = options;
+    let integrator = &common.integrator;
+    let all = [
+        ("--of", of.is_some()),
+        ("--window", window.is_some()),
+        ("--interval", interval.is_some()),
+        ("--longest", longest.is_some()),
+        ("--integrator", integrator.integrator.is_some()),
+        ("--step", integrator.step.is_some()),
+        ("--preset", integrator.preset.is_some()),
+    ];
+    all.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+}

@@ -1,24 +1,18 @@
 //! `amontons study design`.
 
-use super::arguments::{ObservationOptions, StudyArguments};
+use super::arguments::{ObservationOptions, StudyArguments, only_of_runs};
 use super::folder::{Folder, quoted};
 use super::{found, prepared_again, set_pace};
 use amontons::Error;
-use amontons::contact::{ContactState, JoinedStates};
 use amontons::decimal::to_significant;
 use amontons::error::Short;
 use amontons::scene::Scene;
-use amontons::simulation::at_instant;
 use amontons_analysis::design::{
-    Checked, DesignQuestion, FoundDesign, Varied, Vary, Worst, design, varied,
+    DesignQuestion, DesignRequest, FoundDesign, ReadyDesign, Vary, Worst, design,
 };
-use amontons_analysis::instant::{require_undriven, signals_left_out};
-use amontons_analysis::robustness::{
-    Distribution, End, Estimate, Pushes, Squeals, Uncertain, check_runs, parameters, push_velocity,
-};
-use amontons_analysis::stability::{Linearised, StateClasses, named_states};
-use amontons_analysis::study::{ObservationSettings, Push};
-use amontons_analysis::sweep::FRICTION;
+use amontons_analysis::instant::signals_left_out;
+use amontons_analysis::robustness::{Distribution, End, Estimate, Squeals};
+use amontons_analysis::study::ObservationSettings;
 use amontons_analysis::sweep::range::{assignment, ends, number};
 use amontons_cli::charts::design::{growth, trade_off};
 use amontons_cli::say;
@@ -26,11 +20,6 @@ use amontons_cli::shards::ShardArguments;
 use amontons_export::documentation::counted;
 use clap::Args;
 use serde_json::json;
-
-/// The name that stands for all contact states.
-const ALL: &str = "all";
-/// The most contacts of which all states are among the conditions of a design: 256 states.
-const MOST_CONTACTS: usize = 4;
 
 #[derive(Args)]
 pub struct DesignArguments {
@@ -81,200 +70,91 @@ pub struct DesignArguments {
 
 /// A range of friction coefficients, or one value.
 fn friction(text: &str) -> Result<[f64; 2], String> {
-    let range = if text.contains(':') { ends(text)? } else { [number(text)?; 2] };
-    if range[0] < 0.0 {
-        return Err(format!("a friction coefficient of {} is not possible", Short(range[0])));
-    }
-    Ok(range)
+    if text.contains(':') { ends(text) } else { Ok([number(text)?; 2]) }
 }
 
 pub fn run(arguments: &DesignArguments) -> Result<(), Box<dyn std::error::Error>> {
-    let DesignArguments { common, shared, options, seed, .. } = arguments;
+    let DesignArguments { common, shared, options, .. } = arguments;
     let (scene, source) = found(common)?;
-    require_undriven(&scene, FRICTION)?;
-    let varied = varied(&scene, &arguments.vary, arguments.together, &arguments.cost)?;
+    check_options(arguments)?;
+    let asked = arguments.request();
+    let mut ready = asked.ready(&scene)?;
     if let Some(left_out) = signals_left_out(&scene, 0.0) {
         eprintln!("note: {left_out}");
     }
-    check(arguments, &scene)?;
-    let has_runs = arguments.runs > 0;
-    let mut scene = at_instant(&scene, 0.0)?;
-    scene.check()?;
-    let range = arguments.friction;
-    check_range(&scene, range)?;
-    let patterns = patterns(&scene, &arguments.state)?;
-    let margin = match arguments.margin {
-        Some(margin) => margin,
-        None => slowest_decay(&scene, &patterns)? / 10.0,
-    };
-    let pushes = match &arguments.pushes {
-        Some(pushes) => pushes.clone(),
-        None => default_pushes(&scene)?,
-    };
-    if has_runs {
-        let observation = ObservationSettings::of(&scene, &options.request())?;
-        set_pace(&mut scene, common, &observation, amontons_analysis::study::pace)?;
+    if asked.has_runs() {
+        let observation = ObservationSettings::of(&ready.scene, &options.request())?;
+        set_pace(&mut ready.scene, common, &observation, amontons_analysis::study::pace)?;
     }
-    let velocity = push_velocity(&pushes)?;
-    let names: Vec<String> = patterns.iter().map(|it| JoinedStates(it).to_string()).collect();
-    let look = has_runs.then(|| json!({ "pushes": pushes.to_string(), "look": options, "integrator": common.integrator }));
+    let look = asked.has_runs().then(
+        || json!({ "pushes": ready.pushes.to_string(), "look": options, "integrator": common.integrator }),
+    );
     let settings = json!({
-        "vary": varied,
-        "friction": range,
-        "states": names,
-        "margin": margin,
-        "starts": arguments.starts,
-        "seed": seed,
-        "points": arguments.points,
+        "vary": ready.varied,
+        "friction": asked.friction,
+        "states": ready.states(),
+        "margin": ready.margin,
+        "starts": asked.starts,
+        "seed": asked.seed,
+        "points": asked.points,
         "runs": look,
     });
-    let mut folder = Folder::open_shared(common, *shared, "design", (&scene, &source), settings)?;
+    let mut folder =
+        Folder::open_shared(common, *shared, "design", (&ready.scene, &source), settings)?;
     let prepare = |scene: &mut Scene| prepared_again(scene, common, options);
-    let scattered = match range[0] < range[1] {
-        true => {
-            let text = format!("{FRICTION}=uniform({:?},{:?})", range[0], range[1]);
-            parameters(&scene, &[Uncertain::parse(&text)?])?
-        }
-        false => Vec::new(),
-    };
-    // The design belongs to the range, and may be impossible at other values of µ.
-    let friction_coefficient = scene.friction_coefficient.clamp(range[0], range[1]);
-    let scene = Scene { friction_coefficient, ..scene };
-    let pushed = Pushes {
-        scene: &scene,
-        parameters: &scattered,
-        velocity: &velocity,
-        prepare: &prepare,
-        runs: arguments.runs,
-        seed: *seed,
-        name: "run",
-    };
-    let question = DesignQuestion {
-        scene: &scene,
-        varied: &varied,
-        patterns: &patterns,
-        is_uniform: arguments.state.is_empty(),
-        range,
-        margin,
-        starts: arguments.starts,
-        seed: *seed,
-        points: arguments.points,
-        pushes: has_runs.then_some(pushed),
-    };
+    let question = ready.question(&prepare);
     let Some(found) = folder.found(|journal, watch| design(&question, journal, watch))? else {
         return Ok(());
     };
-    write(&folder, &varied, margin, &found)?;
-    print(&scene, &question, &pushes, &found);
+    write(&folder, &ready, &found)?;
+    print(&ready, &question, &found);
     if found.starts.is_empty() {
         say!("\nresults are in {}", folder.path().display());
         return Ok(());
     }
-    if range[0] < range[1] {
-        folder.draw("growth", &growth(&scene, &found))?;
+    if found.growth.len() > 1 {
+        folder.draw("growth", &growth(&ready.scene, &found))?;
     }
-    folder.draw("trade-off", &trade_off(&scene, &found))?;
+    folder.draw("trade-off", &trade_off(&ready.scene, &found))?;
     say!("\nresults and pictures are in {}", folder.path().display());
     Ok(())
 }
 
-/// Refuses a study whose numbers make no sense.
-fn check(arguments: &DesignArguments, scene: &Scene) -> Result<(), Error> {
-    if arguments.starts == 0 || arguments.starts > 1000 {
-        return Err(Error::argument(format!(
-            "{} starts are not possible; give --starts from 1 to 1000",
-            arguments.starts
-        )));
-    }
-    if arguments.points > 1000 {
-        return Err(Error::argument(format!(
-            "{} points of the trade-off are too many; give --points up to 1000",
-            arguments.points
-        )));
-    }
-    if arguments.margin.is_some_and(|margin| !(margin >= 0.0 && margin.is_finite())) {
-        return Err(Error::argument(
-            "the margin is a growth rate by which all modes stay below zero; give --margin 0 or more, 1/s",
-        ));
-    }
-    if arguments.runs > 0 && !scene.signals.is_empty() {
-        return Err(Error::argument(format!(
-            "{} has signals, which keep it in motion whether it squeals or not: give --runs 0, or remove the signals from the \
-             scene",
-            scene.name
-        )));
-    }
-    if arguments.runs > 0 { check_runs(scene, arguments.runs) } else { Ok(()) }
-}
-
-/// Refuses a range of the friction coefficient that ends above static friction.
-fn check_range(scene: &Scene, range: [f64; 2]) -> Result<(), Error> {
-    match scene.greatest_friction() {
-        Some(greatest) if range[1] > greatest => Err(Error::argument(format!(
-            "the range of --friction ends at {}, above the static friction {}: end it there",
-            Short(range[1]),
-            Short(greatest)
-        ))),
-        _ => Ok(()),
-    }
-}
-
-/// The contact states in which no mode may grow.
-fn patterns(scene: &Scene, names: &[String]) -> Result<Vec<Vec<ContactState>>, Error> {
-    let here = Linearised::of(scene);
-    if names.is_empty() {
-        return Ok(vec![here.uniform_sliding()?]);
-    }
-    let mut found: Vec<Vec<ContactState>> = Vec::new();
-    for name in names {
-        let states = if name == ALL {
-            if scene.contact_count() > MOST_CONTACTS {
-                return Err(Error::argument(format!(
-                    "{} contacts have 4^{} states; `--state all` is for up to {MOST_CONTACTS} contacts: name the states that \
-                     matter, such as those of the candidates of `amontons-stability bistable`",
-                    scene.contact_count(),
-                    scene.contact_count()
-                )));
-            }
-            StateClasses::of(here.model())?.states.into_iter().map(|(states, _)| states).collect()
-        } else {
-            vec![named_states(name, scene, &here)?]
-        };
-        for states in states {
-            if !found.contains(&states) {
-                found.push(states);
-            }
+impl DesignArguments {
+    fn request(&self) -> DesignRequest {
+        DesignRequest {
+            vary: self.vary.clone(),
+            together: self.together,
+            costs: self.cost.clone(),
+            friction: self.friction,
+            states: self.state.clone(),
+            margin: self.margin,
+            starts: self.starts,
+            points: self.points,
+            seed: self.seed,
+            pushes: self.pushes.clone(),
+            runs: self.runs,
         }
     }
-    Ok(found)
 }
 
-/// The decay rate of the slowest mode of some contact states without friction, 1/s.
-fn slowest_decay(scene: &Scene, patterns: &[Vec<ContactState>]) -> Result<f64, Error> {
-    let mut slowest = f64::INFINITY;
-    let static_friction = scene.static_friction.map(|_| 0.0);
-    let here =
-        Linearised::of(&Scene { friction_coefficient: 0.0, static_friction, ..scene.clone() });
-    for states in patterns {
-        let found = amontons::stability::Spectrum::of(here.linear()?, states)?;
-        slowest = slowest.min(-found.growth_rate());
+/// Refuses options that would change nothing: those of runs, where there are none.
+fn check_options(arguments: &DesignArguments) -> Result<(), Error> {
+    let idle = only_of_runs(&arguments.common, &arguments.options);
+    match idle.filter(|_| arguments.runs == 0) {
+        Some(name) => Err(Error::argument(format!(
+            "{name} is for runs that verify the design, and there are none: leave it out, or give --runs 1 or more"
+        ))),
+        None => Ok(()),
     }
-    Ok(if slowest.is_finite() { to_significant(slowest.max(0.0), 3) } else { 0.0 })
-}
-
-/// Pushes from nothing up to the velocity of the fastest surface.
-fn default_pushes(scene: &Scene) -> Result<Distribution, Error> {
-    let fastest = 1000.0 * Push::of(scene).velocity;
-    Distribution::parse(&format!("uniform(0,{:?})", to_significant(fastest, 6)))
-        .map_err(Error::argument)
 }
 
 fn write(
     folder: &Folder,
-    varied: &[Varied],
-    margin: f64,
+    ready: &ReadyDesign<'_>,
     found: &FoundDesign,
 ) -> Result<(), Box<dyn std::error::Error>> {
+    let varied = &ready.varied;
     let head = ["name", "unit", "before", "after", "change", "from", "to", "cost"];
     let rows = varied.iter().zip(&found.design.changes).flat_map(|(one, change)| {
         one.parts.iter().map(move |part| {
@@ -317,28 +197,29 @@ fn write(
         .iter()
         .map(|at| [at.friction, at.before, at.after].map(|value| format!("{value:?}")));
     folder.write_table("growth", &["friction", "before", "after"], rows)?;
-    folder.write_json(json!({ "margin": margin, "found": found }))
+    folder.write_json(json!({ "margin": ready.margin, "found": found }))
 }
 
-fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, found: &FoundDesign) {
+fn print(ready: &ReadyDesign<'_>, question: &DesignQuestion<'_>, found: &FoundDesign) {
+    let ReadyDesign { scene, pushes, .. } = ready;
     let [from, to] = question.range;
     let range = if from == to {
         format!("µ = {}", Short(from))
     } else {
         format!("µ from {} to {}", Short(from), Short(to))
     };
-    let states: Vec<String> =
-        question.patterns.iter().take(4).map(|it| JoinedStates(it).to_string()).collect();
-    let more = match question.patterns.len().saturating_sub(4) {
+    let states = ready.states();
+    let more = match states.len().saturating_sub(4) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    say!("{}: {range}, states {}{more}", scene.name, states.join(", "));
+    let first = &states[..states.len().min(4)];
+    say!("{}: {range}, states {}{more}", scene.name, first.join(", "));
     say!("no mode may have a growth rate above {} 1/s", five(0.0 - question.margin));
     say!("\nthe scene       {}", told(&found.before));
     if found.starts.is_empty() {
         say!("the scene itself keeps the limit: nothing has to change");
-        print_checked(pushes, &found.checked);
+        print_checked(pushes, found);
         return;
     }
     say!("the design      {}", told(&found.design.worst));
@@ -381,16 +262,13 @@ fn print(scene: &Scene, question: &DesignQuestion<'_>, pushes: &Distribution, fo
             say!("  {:>12.4}  {:>12.4}", 100.0 * it.size, it.worst.growth);
         }
     }
-    print_checked(pushes, &found.checked);
+    print_checked(pushes, found);
     if found.design.size == 0.0 {
         say!("\nno change of these values was found to make a growth rate less");
     }
-    let changed =
-        question.varied.iter().zip(&found.design.changes).filter(|(_, change)| **change != 0.0);
-    let set = changed.flat_map(|(one, change)| {
-        one.parts.iter().map(move |part| format!("--set '{}={:?}'", part.name, part.at(*change)))
-    });
-    let set: Vec<String> = set.collect();
+    let values = ready.values(&found.design.changes);
+    let set: Vec<String> =
+        values.iter().map(|(name, value)| format!("--set '{name}={value:?}'")).collect();
     if !set.is_empty() {
         say!("\nthe design, for any command: {}", set.join(" "));
     }
@@ -412,7 +290,8 @@ fn told(worst: &Worst) -> String {
     )
 }
 
-fn print_checked(pushes: &Distribution, checked: &Checked) {
+fn print_checked(pushes: &Distribution, found: &FoundDesign) {
+    let checked = &found.checked;
     say!("\nverified");
     match checked.frictions {
         1 => say!("  eigenvalues at this friction coefficient"),
@@ -426,7 +305,7 @@ fn print_checked(pushes: &Distribution, checked: &Checked) {
         None => say!("  there is an equilibrium in sliding at all of them"),
     }
     match &checked.remaining {
-        None if checked.worst.growth > 0.0 => {
+        None if found.design.worst.growth > 0.0 => {
             say!("  candidates for a second motion were not looked for, since a mode grows");
         }
         None => say!("  candidates for a second motion were not looked for"),

@@ -1,6 +1,6 @@
 //! `amontons study robustness`.
 
-use super::arguments::{ObservationOptions, StudyArguments};
+use super::arguments::{ObservationOptions, StudyArguments, only_of_runs};
 use super::folder::{Folder, quoted};
 use super::{found, prepared_again, set_pace};
 use amontons::Error;
@@ -192,31 +192,19 @@ pub fn tell_notes(common: &StudyArguments, scene: &Scene, parameters: &[Paramete
 
 /// Refuses options that would change nothing: those of runs without pushes, and those of draws without parameters that scatter.
 fn check_options(arguments: &RobustnessArguments) -> Result<(), Error> {
-    let ObservationOptions { of, window, interval, longest } = &arguments.options;
-    let integrator = &arguments.common.integrator;
-    let of_runs = [
-        ("--of", of.is_some()),
-        ("--window", window.is_some()),
-        ("--interval", interval.is_some()),
-        ("--longest", longest.is_some()),
-        ("--integrator", integrator.integrator.is_some()),
-        ("--step", integrator.step.is_some()),
-        ("--preset", integrator.preset.is_some()),
-    ];
     let of_draws = [
         ("--state", arguments.state.is_some()),
         ("--bands", !arguments.bands.is_empty()),
         ("--no-indices", arguments.no_indices),
     ];
-    let idle = |options: &[(&'static str, bool)]| {
-        options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name)
-    };
-    if let Some(name) = idle(&of_runs).filter(|_| arguments.scatter.pushes.is_none()) {
+    let of_runs = only_of_runs(&arguments.common, &arguments.options);
+    if let Some(name) = of_runs.filter(|_| arguments.scatter.pushes.is_none()) {
         return Err(Error::argument(format!(
             "{name} is for runs after pushes, and eigenvalues do not depend on it: leave it out, or give --pushes"
         )));
     }
-    if let Some(name) = idle(&of_draws).filter(|_| arguments.scatter.uncertain.is_empty()) {
+    let of_draws = of_draws.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name);
+    if let Some(name) = of_draws.filter(|_| arguments.scatter.uncertain.is_empty()) {
         return Err(Error::argument(format!(
             "{name} is for eigenvalues of draws, and no parameter scatters: leave it out, or give --uncertain"
         )));
