@@ -3,7 +3,7 @@
 
 use super::growth::growth;
 use super::linearised::Linearised;
-use super::locus::{ALL_FREQUENCIES, Crossing, Locus, Root, growing, locus};
+use super::locus::{ALL_FREQUENCIES, Crossing, Locus, Root, all_roots, locus};
 use super::parallel;
 use super::state_energy::{StateEnergy, state_energy};
 use super::states::StateClasses;
@@ -128,8 +128,8 @@ pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<B
             if loads_are_alike { vec![states] } else { classes.members(class).collect() };
         let mut found = Vec::new();
         for &range in stable.iter().filter(|_| *states != uniform_state) {
-            let growing = |mu: f64| growing(at(mu).linear()?, states);
-            for growth in growth(&growing, &spread(range, steps))? {
+            let modes = |mu: f64| all_roots(at(mu).linear()?, states);
+            for growth in growth(&modes, &spread(range, steps))? {
                 // A mode that two states share ceases to grow in the one where it begins to in the other, but for
                 // rounding.
                 let [from, to] = growth.range;
@@ -193,7 +193,8 @@ pub fn candidates_at(scene: &Scene, watch: Watch<'_>) -> Result<Vec<Candidate>, 
         if *states == uniform_state {
             return Ok(Vec::new());
         }
-        let growing = growing(here.linear()?, states)?;
+        let mut growing = all_roots(here.linear()?, states)?;
+        growing.retain(|root| root.grows());
         if growing.is_empty() {
             return Ok(Vec::new());
         }
@@ -317,7 +318,7 @@ fn growing_ranges(locus: &Locus, mode: usize) -> Vec<[f64; 2]> {
     let (first, last) = (locus.values[0], locus.values[locus.values.len() - 1]);
     let mut start = (locus.branches[mode][0].lambda.re > 0.0).then_some(first);
     let mut ranges = Vec::new();
-    for crossing in locus.crossings.iter().filter(|crossing| crossing.mode == mode) {
+    for crossing in locus.turns().filter(|crossing| crossing.mode == mode) {
         if crossing.becomes_unstable {
             start = Some(crossing.value);
         } else if let Some(start) = start.take() {

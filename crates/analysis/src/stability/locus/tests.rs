@@ -306,7 +306,7 @@ fn the_value_at_which_a_mode_begins_to_grow_takes_few_evaluations() {
         };
         let ends = [0.0, 1.0].map(|value| (value, evaluate(value).unwrap()[0]));
         count.store(0, std::sync::atomic::Ordering::Relaxed);
-        let found = events::locate_crossing(&evaluate, 0, ends).unwrap();
+        let found = events::locate_crossing(&evaluate, 0, ends).unwrap().crossing;
         assert!((found.value - zero).abs() <= 2.0 * f64::EPSILON, "{found:?}");
         let count = count.load(std::sync::atomic::Ordering::Relaxed);
         assert!(count < 20, "{rate}: {count}");
@@ -324,5 +324,143 @@ fn dampers_that_are_rayleigh_damping_in_disguise_begin_to_grow_at_the_same_value
     assert_eq!(a.crossings.len(), b.crossings.len());
     for (a, b) in a.crossings.iter().zip(&b.crossings) {
         assert!((a.value - b.value).abs() < 1e-7, "{a:?} {b:?}");
+    }
+}
+
+/// Two modes, λ² = −σ with σ = c + p/10 ± √((a (p − p₀))² − (a w / 2)²), which merge over a range of this width and decay by `damping`.
+fn merging_within(
+    place: f64,
+    width: f64,
+    damping: f64,
+) -> impl Fn(f64) -> Result<Vec<Root>, Error> {
+    move |p: f64| {
+        let (from, half) = (p - place, 0.5 * width);
+        // As a product this keeps its digits next to the ends of the range.
+        let d = sign * (4.0 * (from - half) * (from + half));
+        let apart = Complex::from(d).sqrt();
+        let mut roots: Vec<Root> = [apart, -apart]
+            .into_iter()
+            .map(|apart| {
+                let sigma = apart + (1.0 + 0.1 * p);
+                let lambda = (-sigma).sqrt();
+                let lambda = if lambda.im < 0.0 { -lambda } else { lambda };
+                Root { sigma, lambda: lambda - damping }
+            })
+            .collect();
+        roots.sort_by(by_number);
+        Ok(roots)
+    }
+}
+
+/// Where the range lies among the values must not matter.
+#[test]
+fn modes_that_merge_and_part_between_two_values_are_found_however_narrow_the_range_is() {
+    for place in 0..60 {
+        // The golden ratio spreads the places over the steps of 0.05 and of a two-hundredth of the range.
+        let place = 0.04 + 0.92 * (0.618_033_988_749_895 * f64::from(place)).fract();
+        for part in [1e-3, 1e-6, 1e-9] {
+            let width = part * 0.005;
+            let evaluate = merging_within(place, width, 0.0);
+            let found = of_roots(&evaluate, &grid(1.0, 0.05));
+            let ends = [place - 0.5 * width, place + 0.5 * width];
+            let [merge, part_again] = found.coalescences[..] else {
+                panic!("{place} {width}: {:?}", found.coalescences)
+            };
+            assert!(merge.merge && !part_again.merge);
+            let [begins, ceases] = found.crossings[..] else {
+                panic!("{place} {width}: {:?}", found.crossings)
+            };
+            assert!(begins.becomes_unstable && !ceases.becomes_unstable);
+            for (found, end) in [merge.value, part_again.value].into_iter().zip(ends) {
+                assert!((found - end).abs() < 1e-3 * width + 1e-15, "{found} {end}");
+            }
+            for (found, end) in [begins.value, ceases.value].into_iter().zip(ends) {
+                assert!((found - end).abs() < 1e-3 * width + 1e-15, "{found} {end}");
+            }
+        }
+    }
+}
+
+/// Re λ = √((w/2)² − (p − p₀)²) / √σ − γ, nearly: with half of the largest growth as damping it grows over √3/2 of the range.
+#[test]
+fn damping_leaves_the_middle_of_a_narrow_range_of_growth_or_nothing() {
+    for place in 0..40 {
+        let place = 0.04 + 0.92 * (0.618_033_988_749_895 * f64::from(place)).fract();
+        for part in [1e-3, 1e-6, 1e-9] {
+            let width = part * 0.005;
+            let most = 0.5 * width / f64::sqrt(1.0 + 0.1 * place);
+            for (damping, count) in [(0.5 * most, 2), (1.01 * most, 0)] {
+                let evaluate = merging_within(place, width, damping);
+                for merge in [true, false] {
+                    let watched = Watched { frequencies: ALL_FREQUENCIES, merge };
+                    let values = grid(1.0, 0.05);
+                    let found = follow(&evaluate, &values, watched, &|| {}).unwrap();
+                    assert_eq!(found.crossings.len(), count, "{place} {width} {merge} {found:?}");
+                    let half = 0.5 * width * f64::sqrt(0.75);
+                    let ends = [place - half, place + half];
+                    for (crossing, end) in found.crossings.iter().zip(ends) {
+                        let off = (crossing.value - end).abs();
+                        assert!(off < 2e-3 * width + 2e-15, "{crossing:?} {end}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// An undamped structure is stable only where its two modes have parted.
+#[test]
+fn modes_that_part_and_merge_again_between_two_values_are_found() {
+    for place in 0..40 {
+        let place = 0.04 + 0.92 * (0.618_033_988_749_895 * f64::from(place)).fract();
+        for width in [5e-6, 5e-9] {
+            let evaluate = two_modes(place, width, 0.0, -1.0);
+            let found = of_roots(&evaluate, &grid(1.0, 0.05));
+            let kinds: Vec<bool> = found.coalescences.iter().map(|it| it.merge).collect();
+            assert_eq!(kinds, [false, true], "{place} {width}: {:?}", found.coalescences);
+        }
+    }
+}
+
+/// σ = (p − p₀)² − (w/2)² is negative over a narrow range: there the mode diverges.
+#[test]
+fn a_mode_that_diverges_between_two_values_alone_is_found() {
+    for place in 0..40 {
+        let place = 0.04 + 0.92 * (0.618_033_988_749_895 * f64::from(place)).fract();
+        for width in [5e-6, 5e-9, 5e-12] {
+            let evaluate = |p: f64| {
+                let sigma = (p - place - 0.5 * width) * (p - place + 0.5 * width);
+                let lambda = Complex::from(-sigma).sqrt();
+                Ok(vec![Root { sigma: sigma.into(), lambda }])
+            };
+            let found = of_roots(&evaluate, &grid(1.0, 0.05)).crossings;
+            let [begins, ceases] = found[..] else { panic!("{place} {width} {found:?}") };
+            assert!(begins.frequency_hz == 0.0 && ceases.frequency_hz == 0.0);
+            assert!((begins.value - place + 0.5 * width).abs() < 1e-3 * width + 1e-15);
+            assert!((ceases.value - place - 0.5 * width).abs() < 1e-3 * width + 1e-15);
+        }
+    }
+}
+
+#[test]
+fn a_growing_mode_that_splits_into_two_that_diverge_begins_to_grow_once() {
+    // σ = −1 ± √(p − ½): conjugates up to ½, and two negative ones from there on.
+    let evaluate = |p: f64| {
+        let apart = Complex::from(p - 0.5).sqrt();
+        let roots = [-apart, apart].map(|apart| {
+            let sigma = apart - 1.0;
+            let both = [(-sigma).sqrt(), -(-sigma).sqrt()];
+            Root { sigma, lambda: upper(both) }
+        });
+        Ok(roots.to_vec())
+    };
+    for turned in [false, true] {
+        let there = |p: f64| evaluate(if turned { 1.0 - p } else { p });
+        let found = of_roots(&there, &grid(1.0, 0.1));
+        assert!(found.crossings.is_empty(), "{:?}", found.crossings);
+        let [split] = found.splits[..] else { panic!("{:?}", found.splits) };
+        assert!((split.value - 0.5).abs() < 1e-15 && split.becomes_unstable != turned);
+        assert_eq!(found.coalescences.len(), 1);
+        assert!(crate::stability::candidates::stable_ranges(&found).is_empty());
     }
 }

@@ -84,9 +84,7 @@ impl OverFriction {
 
     /// Where growth begins at the scene's µ or, if no mode grows there, beyond it.
     pub fn growth(&self) -> Growth {
-        let first = self.locus.branches.iter().filter(|branch| branch[0].lambda.re > 0.0).count();
-        let turns = self.critical.iter().map(|one| (one.value, one.becomes_unstable, one.copies));
-        Growth::of(first, turns, self.own)
+        Growth::over(&self.locus, self.own)
     }
 
     /// The µ at which growth of a changed scene begins, in the same range.
@@ -101,16 +99,11 @@ impl OverFriction {
         };
         match locus(&here, states, &self.locus.values, ALL_FREQUENCIES, &|_, _| {}) {
             Err(_) => Onset::NotSought,
-            Ok(found) => {
-                let first =
-                    found.branches.iter().filter(|branch| branch[0].lambda.re > 0.0).count();
-                let turns = found.crossings.iter().map(|one| (one.value, one.becomes_unstable, 1));
-                match Growth::of(first, turns, self.own) {
-                    Growth::Since(value) | Growth::From(value) => Onset::At(value),
-                    Growth::Throughout => Onset::NotSought,
-                    Growth::Never => Onset::Above(self.end),
-                }
-            }
+            Ok(found) => match Growth::over(&found, self.own) {
+                Growth::Since(value) | Growth::From(value) => Onset::At(value),
+                Growth::Throughout => Onset::NotSought,
+                Growth::Never => Onset::Above(self.end),
+            },
         }
     }
 }
@@ -129,6 +122,13 @@ pub enum Growth {
 }
 
 impl Growth {
+    /// Of a locus over µ.
+    fn over(locus: &Locus, own: f64) -> Self {
+        let first = locus.branches.iter().filter(|branch| branch[0].lambda.re > 0.0).count();
+        let turns = locus.turns().map(|one| (one.value, one.becomes_unstable, 1));
+        Self::of(first, turns, own)
+    }
+
     /// Of the number of modes that grow at the first µ, and of the values at which some number of modes begins (`true`) or ceases
     /// to grow.
     fn of(first: usize, turns: impl Iterator<Item = (f64, bool, usize)>, own: f64) -> Self {
