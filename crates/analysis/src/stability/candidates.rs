@@ -316,7 +316,7 @@ pub(crate) fn stable_ranges(locus: &Locus) -> Vec<[f64; 2]> {
 /// The ranges of the parameter in which a mode grows.
 fn growing_ranges(locus: &Locus, mode: usize) -> Vec<[f64; 2]> {
     let (first, last) = (locus.values[0], locus.values[locus.values.len() - 1]);
-    let mut start = (locus.branches[mode][0].lambda.re > 0.0).then_some(first);
+    let mut start = locus.grows_at_first(mode).then_some(first);
     let mut ranges = Vec::new();
     for crossing in locus.turns().filter(|crossing| crossing.mode == mode) {
         if crossing.becomes_unstable {

@@ -182,4 +182,29 @@ mod tests {
         let [one] = &found[..] else { panic!("{found:?}") };
         assert_eq!((one.range, one.begins), ([0.0, 1.0], false));
     }
+
+    #[test]
+    fn modes_that_grow_between_two_values_alone_are_found_where_they_come_near_each_other() {
+        // λ = 10 i − 1e-7 ± √((w/2)² − (p − p₀)²), which grows over less than a millionth of a step.
+        for place in 0..20 {
+            let place = (0.1 + 0.618_033_988_749_895 * f64::from(place)).fract().clamp(0.01, 0.99);
+            let half = 2e-7;
+            let modes = |p: f64| {
+                let apart = Complex::from((half - p + place) * (half + p - place)).sqrt();
+                [apart, -apart]
+                    .map(|apart| {
+                        let lambda = Complex::new(-1e-7, 10.0) + apart;
+                        Root { sigma: -lambda * lambda, lambda }
+                    })
+                    .to_vec()
+            };
+            for steps in [8, 40, 200] {
+                let found = over(&modes, steps);
+                let [one] = &found[..] else { panic!("{place} {steps}: {found:?}") };
+                let end = f64::sqrt(half * half - 1e-14);
+                let off = [one.range[0] - place + end, one.range[1] - place - end];
+                assert!(one.begins && off.iter().all(|off| off.abs() < 1e-12), "{place} {one:?}");
+            }
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::events::{
     BranchPoint, Located, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
 };
 use super::narrow::{Between, Point, assign};
+use super::rounding::clear;
 use super::{Approach, Coalescence, Crossing, Root, order_of_merged};
 use crate::stability::parallel;
 use amontons::Error;
@@ -60,6 +61,17 @@ pub(super) struct FollowedRoots {
 }
 
 impl FollowedRoots {
+    /// Leaves out crossings that are rounding.
+    fn keep_clear_crossings(&mut self, trace: &[Vec<BranchPoint>]) {
+        let all = std::mem::take(&mut self.crossings);
+        for (mode, trace) in trace.iter().enumerate() {
+            let mut own: Vec<Crossing> =
+                all.iter().filter(|crossing| crossing.mode == mode).copied().collect();
+            own.sort_by(|a, b| a.value.total_cmp(&b.value));
+            self.crossings.extend(clear(own, trace));
+        }
+    }
+
     fn add_crossings(&mut self, crossings: Vec<Located>) {
         for Located { crossing, is_split } in crossings {
             if is_split { &mut self.splits } else { &mut self.crossings }.push(crossing);
@@ -112,6 +124,7 @@ pub(super) fn follow(
         found.add_crossings(hidden_crossings(evaluate, watched, trace, mode)?);
     }
     if !watched.merge {
+        found.keep_clear_crossings(&trace);
         found.approaches = closest_approaches(evaluate, watched, &trace)?;
     }
     done();

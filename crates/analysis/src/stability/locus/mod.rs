@@ -11,11 +11,13 @@
 //! | --- | --- |
 //! | `follow` | tells roots apart from value to value |
 //! | `narrow` | finds values between two others where modes have merged, or grow, in a narrow range |
+//! | `rounding` | tells growth from rounding |
 //! | `events` | locates where they merge, come nearest and begin to grow |
 
 mod events;
 mod follow;
 mod narrow;
+mod rounding;
 
 use crate::stability::Linearised;
 use amontons::Error;
@@ -30,6 +32,7 @@ use std::f64::consts::TAU;
 
 use follow::{FollowedRoots, Watched, follow};
 pub(crate) use narrow::{Between, in_branches};
+pub use rounding::is_neutral;
 
 /// One eigenvalue of a contact state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +44,7 @@ pub struct Root {
 }
 
 impl Root {
-    /// `true` if Re λ > 0. Without single dampers Re λ is zero exactly where nothing damps a real σ; with them
-    /// rounding is taken from it where it is found.
+    /// `true` if Re λ > 0: by more than rounding only together with `is_neutral`.
     pub(super) fn grows(self) -> bool {
         self.lambda.re > 0.0
     }
@@ -169,6 +171,18 @@ impl Locus {
         let mut all: Vec<&Crossing> = self.crossings.iter().chain(&self.splits).collect();
         all.sort_by(|a, b| a.value.total_cmp(&b.value));
         all.into_iter()
+    }
+
+    /// `true` if a branch grows at the first value, by more than rounding.
+    #[must_use]
+    pub fn grows_at_first(&self, mode: usize) -> bool {
+        match self.turns().find(|turn| turn.mode == mode) {
+            Some(turn) => !turn.becomes_unstable,
+            None => {
+                let first = self.branches[mode][0];
+                first.grows() && !(self.is_damped && is_neutral(first.lambda))
+            }
+        }
     }
 
     /// `true` if the frequency of a root lies between the bounds.

@@ -8,7 +8,7 @@ use amontons::scene::Scene;
 use amontons_analysis::assign::{FRICTION, assign};
 use amontons_analysis::patterns::in_words;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
-use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, locus};
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, is_neutral, locus};
 use amontons_analysis::stability::{
     CriticalFriction, Linearised, Mode, Modes, Sensitivities, critical_friction, modes,
     sensitivities,
@@ -66,6 +66,7 @@ impl Found {
     pub fn growing(&self) -> Vec<(usize, &Mode)> {
         let mut growing: Vec<_> =
             self.numbered().filter(|(_, mode)| mode.growth_rate() > 0.0).collect();
+        growing.retain(|(_, mode)| !is_neutral(mode.eigenvalue));
         growing.sort_by(|a, b| b.1.growth_rate().total_cmp(&a.1.growth_rate()));
         growing
     }
@@ -124,7 +125,7 @@ pub enum Growth {
 impl Growth {
     /// Of a locus over µ.
     fn over(locus: &Locus, own: f64) -> Self {
-        let first = locus.branches.iter().filter(|branch| branch[0].lambda.re > 0.0).count();
+        let first = (0..locus.branches.len()).filter(|mode| locus.grows_at_first(*mode)).count();
         let turns = locus.turns().map(|one| (one.value, one.becomes_unstable, 1));
         Self::of(first, turns, own)
     }
