@@ -31,7 +31,8 @@ pub struct Bistability {
     pub stable: Vec<[f64; 2]>,
     /// Modes of other states that grow inside a stable range, by what a motion needs to reach the state, then by µ.
     pub candidates: Vec<Candidate>,
-    /// The widest step in µ from look to look at a state: what grows over less of µ may be missed.
+    /// The widest step in µ from look to look at a state. What grows over less of µ is found where two modes come near each
+    /// other, or where one diverges; else it may be missed.
     pub widest: f64,
 }
 
@@ -64,8 +65,7 @@ pub fn closed_at_rest(model: &LumpedModel) -> Vec<ContactState> {
     model.contacts.iter().map(Contact::resting_state).collect()
 }
 
-/// The widest step in µ over which uniform sliding is followed; a mode of it that grows only in a range narrower than
-/// this may be missed.
+/// The widest step in µ over which uniform sliding is followed.
 const STEP: f64 = 0.01;
 /// The fewest steps in a range.
 const FEWEST_STEPS: f64 = 200.0;
