@@ -5,6 +5,7 @@ use super::solver::{Aim, Search, Solved, squares};
 use super::vary::{Part, Varied};
 use crate::spectral::largest;
 use crate::stability::candidates::spread;
+use crate::stability::locus::{Between, Root, in_branches};
 use amontons::Error;
 use amontons::numerics::bisect;
 
@@ -122,7 +123,7 @@ impl OverRange<'_> {
     }
 
     /// The largest growth rates after these changes. The mode that grows fastest is sought at values ten times as dense as those of
-    /// the search, at the highest peaks between them, and where two modes may merge between them.
+    /// the search, at the highest peaks between them, and where two modes come near each other between them.
     ///
     /// # Errors
     /// Returns an error if a state cannot be analysed, or if the watch has ended the work.
@@ -138,11 +139,7 @@ impl OverRange<'_> {
         peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
         peaks.truncate(MOST_PEAKS);
         let peaks = peaks.into_iter().map(|(_, pattern, ends)| (pattern, ends));
-        let mut narrow = approaches(&modes, self.structure.patterns.len());
-        // Most approaches are those of modes that decay much faster.
-        narrow.retain(|it| it.reach > found.eigenvalue.re);
-        let narrow =
-            narrow.into_iter().filter_map(|it| Some((it.pattern, self.narrow(changes, it)?)));
+        let narrow = self.narrow(changes, &modes, found.eigenvalue.re)?;
         for (pattern, ends) in peaks.chain(narrow) {
             let at =
                 |friction: f64| self.structure.fastest_at(changes, Place { pattern, friction });
@@ -156,24 +153,40 @@ impl OverRange<'_> {
         Ok(Survey { worst: found, rates })
     }
 
-    /// The range of µ between two values in which two modes that approach each other grow faster than at the values; `None` if they
-    /// do not.
-    fn narrow(&self, changes: &[f64], one: Approach) -> Option<[f64; 2]> {
-        let Approach { pattern, pair, ends, growth, .. } = one;
-        let at = |friction: f64| self.structure.spectrum(changes, Place { pattern, friction }).ok();
-        let apart = |friction: f64| {
-            let all = at(friction).map(|found| gaps(&found));
-            let gap = all.and_then(|all| all.get(pair).copied());
-            gap.map_or(f64::NEG_INFINITY, |gap| -gap)
-        };
-        let grows = |friction: f64| {
-            let found = at(friction);
-            found.and_then(|found| fastest(&found)).is_some_and(|it| it.eigenvalue.re > growth)
-        };
-        let nearest = largest(&apart, ends);
-        let [low, high] = ends;
-        grows(nearest)
-            .then(|| [bisect(low, nearest, |it| !grows(it))[0], bisect(nearest, high, grows)[1]])
+    /// Ranges of µ between two values in which one of two modes that come near each other grows faster than any at the values, each
+    /// with its contact state.
+    ///
+    /// # Errors
+    /// Returns an error if a state cannot be analysed, or if the watch has ended the work.
+    fn narrow(
+        &self,
+        changes: &[f64],
+        modes: &[Found],
+        level: f64,
+    ) -> Result<Vec<(usize, [f64; 2])>, Error> {
+        let mut ranges = Vec::new();
+        for pattern in 0..self.structure.patterns.len() {
+            let at = |friction: f64| self.structure.spectrum(changes, Place { pattern, friction });
+            let evaluate = |friction: f64| Ok(oscillating(&at(friction)?));
+            let grows = |friction: f64| {
+                at(friction).is_ok_and(|found| found.iter().any(|it| it.eigenvalue.re > level))
+            };
+            let of_pattern: Vec<Found> =
+                modes.iter().copied().filter(|it| it.place.pattern == pattern).collect();
+            let points = of_pattern.chunk_by(|a, b| a.place == b.place);
+            let points = points.map(|all| (all[0].place.friction, oscillating(all)));
+            let between =
+                Between { evaluate: &evaluate, merge: false, level, is_watched: &|_| true };
+            for branches in in_branches(points.collect()) {
+                for value in between.values(&branches)? {
+                    let above = branches.partition_point(|point| point.0 < value);
+                    let [low, high] = [branches[above - 1].0, branches[above].0];
+                    let from = bisect(low, value, |it| !grows(it))[0];
+                    ranges.push((pattern, [from, bisect(value, high, grows)[1]]));
+                }
+            }
+        }
+        Ok(ranges)
     }
 
     /// The peaks of each contact state's largest growth rate over values of µ: the rate, the state, and the neighbours between which
@@ -217,64 +230,8 @@ impl OverRange<'_> {
     }
 }
 
-/// Two modes of a contact state that come nearest to each other between two values of µ, and may merge there.
-#[derive(Clone, Copy)]
-struct Approach {
-    pattern: usize,
-    /// The place of the gap between their frequencies among those of all neighbours.
-    pair: usize,
-    /// The two values.
-    ends: [f64; 2],
-    /// The largest growth rate of the contact state at the values and at the one between them, 1/s.
-    growth: f64,
-    /// A growth rate that the two modes do not exceed between the values, 1/s. Before a merging their distance is a root of the
-    /// distance to it, and behind it their growth rates part like the same root: by no more than the larger distance at the ends,
-    /// half of it up.
-    reach: f64,
-}
-
-/// The modes that oscillate, by frequency.
-fn oscillating(modes: &[Found]) -> Vec<Found> {
-    let mut all: Vec<Found> = modes.iter().copied().filter(|it| it.eigenvalue.im > 0.0).collect();
-    all.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
-    all
-}
-
-/// The gaps between neighbouring frequencies of modes that oscillate, rad/s.
-fn gaps(modes: &[Found]) -> Vec<f64> {
-    oscillating(modes).windows(2).map(|two| two[1].eigenvalue.im - two[0].eigenvalue.im).collect()
-}
-
-/// The approaches of modes of each contact state over values of µ. Before two modes merge their distance falls like a root: at the
-/// nearest value it is at most 2.4 times as large as its last fall.
-fn approaches(modes: &[Found], patterns: usize) -> Vec<Approach> {
-    const MOST_FALLS: f64 = 3.0;
-    let mut found = Vec::new();
-    for pattern in 0..patterns {
-        let of_pattern: Vec<Found> =
-            modes.iter().copied().filter(|it| it.place.pattern == pattern).collect();
-        let places: Vec<&[Found]> = of_pattern.chunk_by(|a, b| a.place == b.place).collect();
-        let all: Vec<Vec<f64>> = places.iter().map(|place| gaps(place)).collect();
-        for (i, three) in all.windows(3).enumerate() {
-            if three[0].len() != three[1].len() || three[2].len() != three[1].len() {
-                continue;
-            }
-            let both = three[0].iter().zip(&three[2]);
-            for (pair, (&here, (&before, &after))) in three[1].iter().zip(both).enumerate() {
-                let fall = f64::max(before - here, after - here);
-                if here > 0.0 && here <= before && here <= after && here <= MOST_FALLS * fall {
-                    let rates = places[i..i + 3].iter().flat_map(|place| place.iter());
-                    let growth = rates.map(|it| it.eigenvalue.re).fold(f64::NEG_INFINITY, f64::max);
-                    let ends = [places[i][0].place.friction, places[i + 2][0].place.friction];
-                    let pairs = places[i..i + 3].iter().flat_map(|place| {
-                        let all = oscillating(place);
-                        [all[pair].eigenvalue.re, all[pair + 1].eigenvalue.re]
-                    });
-                    let reach = pairs.fold(f64::NEG_INFINITY, f64::max) + before.max(after);
-                    found.push(Approach { pattern, pair, ends, growth, reach });
-                }
-            }
-        }
-    }
-    found
+/// The modes of a place that oscillate.
+fn oscillating(modes: &[Found]) -> Vec<Root> {
+    let values = modes.iter().map(|it| it.eigenvalue).filter(|lambda| lambda.im > 0.0);
+    values.map(|lambda| Root { sigma: -lambda * lambda, lambda }).collect()
 }

@@ -3,7 +3,7 @@
 
 use super::growth::growth;
 use super::linearised::Linearised;
-use super::locus::{ALL_FREQUENCIES, Crossing, Locus, Root, growing, locus};
+use super::locus::{ALL_FREQUENCIES, Crossing, Locus, Root, all_roots, locus};
 use super::parallel;
 use super::state_energy::{StateEnergy, state_energy};
 use super::states::StateClasses;
@@ -31,7 +31,8 @@ pub struct Bistability {
     pub stable: Vec<[f64; 2]>,
     /// Modes of other states that grow inside a stable range, by what a motion needs to reach the state, then by µ.
     pub candidates: Vec<Candidate>,
-    /// The widest step in µ from look to look at a state: what grows over less of µ may be missed.
+    /// The widest step in µ from look to look at a state. What grows over less of µ is found where two modes come near each
+    /// other, or where one diverges; else it may be missed.
     pub widest: f64,
 }
 
@@ -64,8 +65,7 @@ pub fn closed_at_rest(model: &LumpedModel) -> Vec<ContactState> {
     model.contacts.iter().map(Contact::resting_state).collect()
 }
 
-/// The widest step in µ over which uniform sliding is followed; a mode of it that grows only in a range narrower than
-/// this may be missed.
+/// The widest step in µ over which uniform sliding is followed.
 const STEP: f64 = 0.01;
 /// The fewest steps in a range.
 const FEWEST_STEPS: f64 = 200.0;
@@ -128,8 +128,8 @@ pub fn bistability(scene: &Scene, range: [f64; 2], watch: Watch<'_>) -> Result<B
             if loads_are_alike { vec![states] } else { classes.members(class).collect() };
         let mut found = Vec::new();
         for &range in stable.iter().filter(|_| *states != uniform_state) {
-            let growing = |mu: f64| growing(at(mu).linear()?, states);
-            for growth in growth(&growing, &spread(range, steps))? {
+            let modes = |mu: f64| all_roots(at(mu).linear()?, states);
+            for growth in growth(&modes, &spread(range, steps))? {
                 // A mode that two states share ceases to grow in the one where it begins to in the other, but for
                 // rounding.
                 let [from, to] = growth.range;
@@ -193,7 +193,8 @@ pub fn candidates_at(scene: &Scene, watch: Watch<'_>) -> Result<Vec<Candidate>, 
         if *states == uniform_state {
             return Ok(Vec::new());
         }
-        let growing = growing(here.linear()?, states)?;
+        let mut growing = all_roots(here.linear()?, states)?;
+        growing.retain(|root| root.grows());
         if growing.is_empty() {
             return Ok(Vec::new());
         }
@@ -315,9 +316,9 @@ pub(crate) fn stable_ranges(locus: &Locus) -> Vec<[f64; 2]> {
 /// The ranges of the parameter in which a mode grows.
 fn growing_ranges(locus: &Locus, mode: usize) -> Vec<[f64; 2]> {
     let (first, last) = (locus.values[0], locus.values[locus.values.len() - 1]);
-    let mut start = (locus.branches[mode][0].lambda.re > 0.0).then_some(first);
+    let mut start = locus.grows_at_first(mode).then_some(first);
     let mut ranges = Vec::new();
-    for crossing in locus.crossings.iter().filter(|crossing| crossing.mode == mode) {
+    for crossing in locus.turns().filter(|crossing| crossing.mode == mode) {
         if crossing.becomes_unstable {
             start = Some(crossing.value);
         } else if let Some(start) = start.take() {

@@ -164,7 +164,8 @@ impl Followed {
         turns.dedup();
         let mut words = vec![match turns.is_empty() {
             true => {
-                let grows = self.locus.branches.iter().any(|branch| branch[0].lambda.re > 0.0);
+                let grows =
+                    (0..self.locus.branches.len()).any(|mode| self.locus.grows_at_first(mode));
                 let verdict = if grows { "some mode grows" } else { "no mode grows" };
                 format!("Over the whole range from {name} {first} to {} {verdict}.", number(last))
             }

@@ -8,13 +8,12 @@ use amontons::model::{Equilibrium, Uniqueness};
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
 use amontons_analysis::stability::Linearised;
+use amontons_analysis::stability::locus::is_neutral;
 use amontons_pictures::picture::significant;
 use std::f64::consts::TAU;
 
 /// The most degrees of freedom of which eigenvalues are found in an export: a second of work.
 const MOST_DOFS: usize = 256;
-/// A growth rate below this part of |λ| is zero but for rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// # Errors
 /// Returns an error if the chart cannot be drawn.
@@ -139,7 +138,7 @@ fn growth(spectrum: &Spectrum, states: &[ContactState], can_squeal: bool) -> Str
         }
         false => "",
     };
-    if rate.abs() <= ROUNDING * fastest.norm() {
+    if is_neutral(fastest) {
         return format!(
             "Small disturbances of this state neither grow nor decay: no damping acts on the motion {how}.{warned}"
         );

@@ -29,6 +29,15 @@ pub(super) fn locate_coalescence(
 /// Number of points by regula falsi that may fail to halve an interval before its middle is taken.
 const PATIENCE: u32 = 3;
 
+/// A change of the sign of Re λ.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Located {
+    pub(super) crossing: Crossing,
+    /// `true` if the mode is one of a pair of which the other grows already: one growing mode that oscillates becomes two that
+    /// do not.
+    pub(super) is_split: bool,
+}
+
 /// A value of the parameter and the root of a branch there.
 pub(super) type BranchPoint = (f64, Root);
 
@@ -39,7 +48,7 @@ pub(super) fn locate_crossing(
     evaluate: &Evaluate<'_>,
     mode: usize,
     [from, to]: [BranchPoint; 2],
-) -> Result<Crossing, Error> {
+) -> Result<Located, Error> {
     let (mut low, mut high) = (from, to);
     let mut weights = [low, high].map(|(_, root)| root.lambda.re);
     let (mut last_side, mut patience) = (None, PATIENCE);
@@ -64,7 +73,11 @@ pub(super) fn locate_crossing(
     // The frequency is that of the mode which grows: zero where it diverges.
     let (stable, growing) = if from.1.grows() { (high, low) } else { (low, high) };
     let frequency_hz = growing.1.lambda.im / TAU;
-    Ok(Crossing { value: stable.0, mode, frequency_hz, becomes_unstable: to.1.grows() })
+    let becomes_unstable = to.1.grows();
+    let crossing = Crossing { value: stable.0, mode, frequency_hz, becomes_unstable };
+    // Of two conjugate σ about a negative value one belongs to a mode that grows.
+    let is_split = growing.1.is_real() && growing.1.sigma.re < 0.0 && !stable.1.is_real();
+    Ok(Located { crossing, is_split: is_split && stable.1.sigma.re < 0.0 })
 }
 
 /// The root at `value` of a branch that is known at two points: the nearest to the line between.
@@ -85,7 +98,7 @@ pub(super) fn hidden_crossings(
     watched: Watched,
     trace: &[BranchPoint],
     mode: usize,
-) -> Result<Vec<Crossing>, Error> {
+) -> Result<Vec<Located>, Error> {
     let mut found = Vec::new();
     for three in trace.windows(3) {
         let [left, middle, right] = *three else { unreachable!("windows of three") };

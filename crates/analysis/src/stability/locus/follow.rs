@@ -1,13 +1,17 @@
 //! Following the roots of one part of a contact state from value to value of a parameter.
 
 use super::events::{
-    BranchPoint, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
+    BranchPoint, Located, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
 };
+use super::narrow::{Between, Point, assign};
+use super::rounding::clear;
 use super::{Approach, Coalescence, Crossing, Root, order_of_merged};
 use crate::stability::parallel;
 use amontons::Error;
 use nalgebra::Complex;
 use std::cmp::Ordering;
+use std::collections::HashMap;
+use std::sync::Mutex;
 
 /// Halvings of a step at most, where modes cannot be told apart by continuity.
 const MAX_HALVINGS: u32 = 24;
@@ -48,56 +52,79 @@ pub(super) struct FollowedRoots {
     pub(super) branches: Vec<Vec<Root>>,
     pub(super) coalescences: Vec<Coalescence>,
     pub(super) crossings: Vec<Crossing>,
+    /// Crossings of this kind at which no mode begins or ceases to grow.
+    pub(super) splits: Vec<Crossing>,
     /// Closest approaches of roots that do not merge.
     pub(super) approaches: Vec<Approach>,
     /// Values near which roots could not be told apart by continuity.
     pub(super) undecided: Vec<f64>,
 }
 
-/// Follows all roots over ascending values; those that are not watched may change places with each other. `done` hears of
-/// each value done, and at last of the events.
+impl FollowedRoots {
+    /// Leaves out crossings that are rounding.
+    fn keep_clear_crossings(&mut self, trace: &[Vec<BranchPoint>]) {
+        let all = std::mem::take(&mut self.crossings);
+        for (mode, trace) in trace.iter().enumerate() {
+            let mut own: Vec<Crossing> =
+                all.iter().filter(|crossing| crossing.mode == mode).copied().collect();
+            own.sort_by(|a, b| a.value.total_cmp(&b.value));
+            self.crossings.extend(clear(own, trace));
+        }
+    }
+
+    fn add_crossings(&mut self, crossings: Vec<Located>) {
+        for Located { crossing, is_split } in crossings {
+            if is_split { &mut self.splits } else { &mut self.crossings }.push(crossing);
+        }
+    }
+}
+
+/// Follows all roots over ascending values; those that are not watched may change places with each other. Where two may do
+/// something between two values, another value is put there. `done` hears of each value done, and at last of the events.
 pub(super) fn follow(
     evaluate: &Evaluate<'_>,
     values: &[f64],
     watched: Watched,
     done: &dyn Fn(),
 ) -> Result<FollowedRoots, Error> {
-    let first = evaluate(values[0])?;
-    let mut tracker = Tracker {
-        evaluate,
-        watched,
-        value: values[0],
-        rates: vec![Complex::new(0.0, 0.0); first.len()],
-        trace: first.iter().map(|&root| vec![(values[0], root)]).collect(),
-        roots: first,
-        found: FollowedRoots::default(),
-    };
-    let mut branches: Vec<Vec<Root>> = tracker.roots.iter().map(|&root| vec![root]).collect();
-    let last = values[values.len() - 1];
-    done();
-    for points in grid(values).chunks(SIDE_BY_SIDE) {
-        let roots = parallel::collect(points.len(), &|i| evaluate(points[i].value), &|_| {})?;
-        for (point, found) in points.iter().zip(roots) {
-            tracker.move_to(point.value, found, 0)?;
-            if point.is_given {
-                for (branch, &root) in branches.iter_mut().zip(&tracker.roots) {
-                    branch.push(root);
-                }
-                done();
-            }
+    let known: Mutex<HashMap<u64, Vec<Root>>> = Mutex::new(HashMap::new());
+    let remembered = |value: f64| {
+        let place = value.to_bits();
+        let before = known.lock().expect("no evaluation panics").get(&place).cloned();
+        if let Some(roots) = before {
+            return Ok(roots);
         }
+        let roots = evaluate(value)?;
+        known.lock().expect("no evaluation panics").insert(place, roots.clone());
+        Ok(roots)
+    };
+    let evaluate: &Evaluate<'_> = &remembered;
+    let mut points = grid(values);
+    let mut followed = Tracker::over(evaluate, values[0], &points, watched, done)?;
+    let between = Between {
+        evaluate: &remembered,
+        merge: watched.merge,
+        level: 0.0,
+        is_watched: &|root| watched.contains(root),
+    };
+    let more = between.values(&followed.points())?;
+    if !more.is_empty() {
+        points.extend(more.into_iter().map(|value| GridPoint { value, is_given: false }));
+        points.sort_by(|a, b| a.value.total_cmp(&b.value));
+        followed = Tracker::over(evaluate, values[0], &points, watched, &|| {})?;
     }
-    let Tracker { trace, mut found, .. } = tracker;
+    let Tracker { trace, branches, mut found, .. } = followed;
     // Roots that merge are undecided by nature at the merging, and are numbered by a rule.
-    let range = last - values[0];
+    let range = values[values.len() - 1] - values[0];
     let FollowedRoots { undecided, coalescences, .. } = &mut found;
     undecided.retain(|value| {
         coalescences.iter().all(|event| (event.value - value).abs() > 1e-6 * range)
     });
     for (mode, trace) in trace.iter().enumerate() {
-        found.crossings.extend(hidden_crossings(evaluate, watched, trace, mode)?);
+        found.add_crossings(hidden_crossings(evaluate, watched, trace, mode)?);
     }
     if !watched.merge {
+        found.keep_clear_crossings(&trace);
         found.approaches = closest_approaches(evaluate, watched, &trace)?;
     }
     done();
@@ -105,6 +132,7 @@ pub(super) fn follow(
 }
 
 /// A value at which roots are found.
+#[derive(Clone, Copy)]
 struct GridPoint {
     value: f64,
     /// `true` if the caller has given the value.
@@ -141,10 +169,54 @@ struct Tracker<'a> {
     rates: Vec<Complex<f64>>,
     /// Every point of each branch.
     trace: Vec<Vec<BranchPoint>>,
+    /// The roots at the given values, for each branch.
+    branches: Vec<Vec<Root>>,
     found: FollowedRoots,
 }
 
-impl Tracker<'_> {
+impl<'a> Tracker<'a> {
+    /// Follows the roots from the first value over the others. `done` hears of each given value.
+    fn over(
+        evaluate: &'a Evaluate<'a>,
+        first_value: f64,
+        others: &[GridPoint],
+        watched: Watched,
+        done: &dyn Fn(),
+    ) -> Result<Self, Error> {
+        let first = evaluate(first_value)?;
+        let mut tracker = Self {
+            evaluate,
+            watched,
+            value: first_value,
+            rates: vec![Complex::new(0.0, 0.0); first.len()],
+            trace: first.iter().map(|&root| vec![(first_value, root)]).collect(),
+            branches: first.iter().map(|&root| vec![root]).collect(),
+            roots: first,
+            found: FollowedRoots::default(),
+        };
+        done();
+        for points in others.chunks(SIDE_BY_SIDE) {
+            let roots = parallel::collect(points.len(), &|i| evaluate(points[i].value), &|_| {})?;
+            for (point, found) in points.iter().zip(roots) {
+                tracker.move_to(point.value, found, 0)?;
+                if point.is_given {
+                    for (branch, &root) in tracker.branches.iter_mut().zip(&tracker.roots) {
+                        branch.push(root);
+                    }
+                    done();
+                }
+            }
+        }
+        Ok(tracker)
+    }
+
+    /// The roots at all values, in the order of the branches.
+    fn points(&self) -> Vec<Point> {
+        let count = self.trace.first().map_or(0, Vec::len);
+        let roots = |place: usize| self.trace.iter().map(|trace| trace[place].1).collect();
+        (0..count).map(|place| (self.trace[0][place].0, roots(place))).collect()
+    }
+
     /// Moves to another value, at which roots have been found, in halves where they cannot be told apart.
     fn move_to(&mut self, value: f64, found: Vec<Root>, halvings: u32) -> Result<(), Error> {
         if found.len() != self.roots.len() {
@@ -239,30 +311,10 @@ impl Tracker<'_> {
             }
             if self.roots[i].grows() != next[i].grows() {
                 let ends = [(self.value, self.roots[i]), (value, next[i])];
-                self.found.crossings.push(locate_crossing(self.evaluate, i, ends)?);
+                let located = locate_crossing(self.evaluate, i, ends)?;
+                self.found.add_crossings(vec![located]);
             }
         }
         Ok(())
     }
-}
-
-/// Assignment of found roots to branches, which no swap of two improves.
-fn assign(predicted: &[Complex<f64>], found: &[Root]) -> Vec<usize> {
-    let cost = |branch: usize, place: usize| (predicted[branch] - found[place].sigma).norm_sqr();
-    let mut order: Vec<usize> = (0..found.len()).collect();
-    let mut improved = true;
-    while improved {
-        improved = false;
-        for i in 0..order.len() {
-            for j in i + 1..order.len() {
-                let kept = cost(i, order[i]) + cost(j, order[j]);
-                let swapped = cost(i, order[j]) + cost(j, order[i]);
-                if swapped < kept * (1.0 - 1e-12) {
-                    order.swap(i, j);
-                    improved = true;
-                }
-            }
-        }
-    }
-    order
 }

@@ -10,10 +10,14 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `follow` | tells roots apart from value to value |
+//! | `narrow` | finds values between two others where modes have merged, or grow, in a narrow range |
+//! | `rounding` | tells growth from rounding |
 //! | `events` | locates where they merge, come nearest and begin to grow |
 
 mod events;
 mod follow;
+mod narrow;
+mod rounding;
 
 use crate::stability::Linearised;
 use amontons::Error;
@@ -27,6 +31,8 @@ use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 use follow::{FollowedRoots, Watched, follow};
+pub(crate) use narrow::{Between, in_branches};
+pub use rounding::is_neutral;
 
 /// One eigenvalue of a contact state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +44,8 @@ pub struct Root {
 }
 
 impl Root {
-    /// Re λ > 0.
-    fn grows(self) -> bool {
+    /// `true` if Re λ > 0: by more than rounding only together with `is_neutral`.
+    pub(super) fn grows(self) -> bool {
         self.lambda.re > 0.0
     }
 
@@ -75,19 +81,19 @@ fn roots(
     Ok(roots)
 }
 
-/// The modes of a contact state that grow.
+/// All modes of a contact state.
 ///
 /// # Errors
 /// Returns an error if the state cannot be analysed.
-pub(super) fn growing(model: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<Root>, Error> {
-    let mut found = if model.has_single_damping_in(states) {
-        damped_roots(model, states)?
-    } else {
-        let sigmas = all_stiffness_eigenvalues(model, states)?;
-        sigmas.into_iter().map(|sigma| rayleigh_root(model.model(), sigma)).collect()
-    };
-    found.retain(|root| root.grows());
-    Ok(found)
+pub(super) fn all_roots(
+    model: LinearModel<'_>,
+    states: &[ContactState],
+) -> Result<Vec<Root>, Error> {
+    if model.has_single_damping_in(states) {
+        return damped_roots(model, states);
+    }
+    let sigmas = all_stiffness_eigenvalues(model, states)?;
+    Ok(sigmas.into_iter().map(|sigma| rayleigh_root(model.model(), sigma)).collect())
 }
 
 fn rayleigh_root(model: &LumpedModel, sigma: Complex<f64>) -> Root {
@@ -140,6 +146,9 @@ pub struct Locus {
     pub coalescences: Vec<Coalescence>,
     /// Values at which a mode begins or ceases to grow.
     pub crossings: Vec<Crossing>,
+    /// Values at which one mode that grows and oscillates becomes two that grow without oscillating, or the other way round: the
+    /// branch of the second one changes the sign of its growth rate, but growth neither begins nor ceases.
+    pub splits: Vec<Crossing>,
     /// Values at which two modes that single dampers keep from merging come nearest to each other.
     pub approaches: Vec<Approach>,
     /// Values near which modes could not be told apart: there they may have changed their numbers.
@@ -155,6 +164,25 @@ impl Locus {
     pub fn followed(&self) -> impl Iterator<Item = (usize, &[Root])> {
         let branches = self.branches.iter().map(Vec::as_slice).enumerate();
         branches.filter(|(_, branch)| branch.iter().any(|root| self.contains(*root)))
+    }
+
+    /// The changes of the sign of the growth rate of all branches, ascending: crossings, and those at splits.
+    pub fn turns(&self) -> impl Iterator<Item = &Crossing> {
+        let mut all: Vec<&Crossing> = self.crossings.iter().chain(&self.splits).collect();
+        all.sort_by(|a, b| a.value.total_cmp(&b.value));
+        all.into_iter()
+    }
+
+    /// `true` if a branch grows at the first value, by more than rounding.
+    #[must_use]
+    pub fn grows_at_first(&self, mode: usize) -> bool {
+        match self.turns().find(|turn| turn.mode == mode) {
+            Some(turn) => !turn.becomes_unstable,
+            None => {
+                let first = self.branches[mode][0];
+                first.grows() && !(self.is_damped && is_neutral(first.lambda))
+            }
+        }
     }
 
     /// `true` if the frequency of a root lies between the bounds.
@@ -212,8 +240,9 @@ pub const ALL_FREQUENCIES: [f64; 2] = [0.0, f64::INFINITY];
 
 /// Follows all modes of a contact state over ascending values of a parameter, of which there are at
 /// least two, in steps of at most a two-hundredth of the range. Events are those of modes with a
-/// frequency between two bounds (Hz); other modes may change places with each other. A mode that
-/// grows only within less than a step, without a sign of it beside that, is missed.
+/// frequency between two bounds (Hz); other modes may change places with each other. Between two values events are sought where
+/// two modes come near each other, or σ near zero, or a growth rate near zero; two that show at no neighbouring value in one
+/// of these ways are missed.
 ///
 /// `done` hears how many pieces of the work are done, and of how many.
 ///
@@ -259,7 +288,7 @@ pub fn locus(
 /// Joins parts, each with its multiplicity, into one locus, and numbers its modes.
 fn together(values: &[f64], parts: Vec<(FollowedRoots, usize)>) -> Locus {
     let mut branches = Vec::new();
-    let (mut coalescences, mut crossings) = (Vec::new(), Vec::new());
+    let (mut coalescences, mut crossings, mut splits) = (Vec::new(), Vec::new(), Vec::new());
     let (mut approaches, mut undecided) = (Vec::new(), Vec::new());
     for (part, copies) in parts {
         undecided.extend(part.undecided);
@@ -272,6 +301,7 @@ fn together(values: &[f64], parts: Vec<(FollowedRoots, usize)>) -> Locus {
                 part.approaches.iter().map(|a| Approach { modes: a.modes.map(place), ..*a }),
             );
             crossings.extend(part.crossings.iter().map(|c| Crossing { mode: place(c.mode), ..*c }));
+            splits.extend(part.splits.iter().map(|c| Crossing { mode: place(c.mode), ..*c }));
             branches.extend(part.branches.iter().cloned());
         }
     }
@@ -289,11 +319,13 @@ fn together(values: &[f64], parts: Vec<(FollowedRoots, usize)>) -> Locus {
         event.modes = event.modes.map(|mode| number[mode]);
         event.modes.sort_unstable();
     }
-    for event in &mut crossings {
+    for event in crossings.iter_mut().chain(&mut splits) {
         event.mode = number[event.mode];
     }
     coalescences.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.modes.cmp(&b.modes)));
-    crossings.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.mode.cmp(&b.mode)));
+    for events in [&mut crossings, &mut splits] {
+        events.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.mode.cmp(&b.mode)));
+    }
     approaches.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.modes.cmp(&b.modes)));
     undecided.sort_by(f64::total_cmp);
     let branches = order.iter().map(|&old| branches[old].clone()).collect();
@@ -302,6 +334,7 @@ fn together(values: &[f64], parts: Vec<(FollowedRoots, usize)>) -> Locus {
         branches,
         coalescences,
         crossings,
+        splits,
         approaches,
         undecided,
         is_damped: false,

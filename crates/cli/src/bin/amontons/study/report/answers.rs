@@ -5,6 +5,7 @@ use super::changes::{Change, Onset};
 use super::sections::{self, sentence};
 use super::sliding::{Found, Growth, OverFriction};
 use amontons_analysis::robustness::Estimate;
+use amontons_analysis::stability::locus::is_neutral;
 use amontons_analysis::stability::{CriticalFriction, Mode};
 use amontons_analysis::study::loudness::{Attempt, FoundMotion, Loudness, Measured};
 use amontons_analysis::study::{Kind, LongTermMotion};
@@ -17,8 +18,6 @@ use std::cmp::Ordering;
 
 /// Growing modes that are named.
 const NAMED: usize = 4;
-/// A growth rate below this part of an eigenvalue is zero but for rounding.
-const ROUNDING: f64 = 1e-9;
 /// Changes that are named.
 const MOST_CHANGES: usize = 3;
 
@@ -114,7 +113,7 @@ fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
         let at = at_frequency(mode.frequency_hz());
         let rate = -mode.growth_rate();
         // Damping that rounding alone makes is none.
-        if rate <= ROUNDING * mode.eigenvalue.norm() {
+        if is_neutral(mode.eigenvalue) {
             format!("the least stable one, mode {number} {at}, neither grows nor decays, since nothing damps it")
         } else {
             format!("the least stable one, mode {number} {at}, decays by {} 1/s", four(rate))

@@ -8,7 +8,7 @@ use amontons::scene::Scene;
 use amontons_analysis::assign::{FRICTION, assign};
 use amontons_analysis::patterns::in_words;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
-use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, locus};
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, is_neutral, locus};
 use amontons_analysis::stability::{
     CriticalFriction, Linearised, Mode, Modes, Sensitivities, critical_friction, modes,
     sensitivities,
@@ -66,6 +66,7 @@ impl Found {
     pub fn growing(&self) -> Vec<(usize, &Mode)> {
         let mut growing: Vec<_> =
             self.numbered().filter(|(_, mode)| mode.growth_rate() > 0.0).collect();
+        growing.retain(|(_, mode)| !is_neutral(mode.eigenvalue));
         growing.sort_by(|a, b| b.1.growth_rate().total_cmp(&a.1.growth_rate()));
         growing
     }
@@ -84,9 +85,7 @@ impl OverFriction {
 
     /// Where growth begins at the scene's µ or, if no mode grows there, beyond it.
     pub fn growth(&self) -> Growth {
-        let first = self.locus.branches.iter().filter(|branch| branch[0].lambda.re > 0.0).count();
-        let turns = self.critical.iter().map(|one| (one.value, one.becomes_unstable, one.copies));
-        Growth::of(first, turns, self.own)
+        Growth::over(&self.locus, self.own)
     }
 
     /// The µ at which growth of a changed scene begins, in the same range.
@@ -101,16 +100,11 @@ impl OverFriction {
         };
         match locus(&here, states, &self.locus.values, ALL_FREQUENCIES, &|_, _| {}) {
             Err(_) => Onset::NotSought,
-            Ok(found) => {
-                let first =
-                    found.branches.iter().filter(|branch| branch[0].lambda.re > 0.0).count();
-                let turns = found.crossings.iter().map(|one| (one.value, one.becomes_unstable, 1));
-                match Growth::of(first, turns, self.own) {
-                    Growth::Since(value) | Growth::From(value) => Onset::At(value),
-                    Growth::Throughout => Onset::NotSought,
-                    Growth::Never => Onset::Above(self.end),
-                }
-            }
+            Ok(found) => match Growth::over(&found, self.own) {
+                Growth::Since(value) | Growth::From(value) => Onset::At(value),
+                Growth::Throughout => Onset::NotSought,
+                Growth::Never => Onset::Above(self.end),
+            },
         }
     }
 }
@@ -129,6 +123,13 @@ pub enum Growth {
 }
 
 impl Growth {
+    /// Of a locus over µ.
+    fn over(locus: &Locus, own: f64) -> Self {
+        let first = (0..locus.branches.len()).filter(|mode| locus.grows_at_first(*mode)).count();
+        let turns = locus.turns().map(|one| (one.value, one.becomes_unstable, 1));
+        Self::of(first, turns, own)
+    }
+
     /// Of the number of modes that grow at the first µ, and of the values at which some number of modes begins (`true`) or ceases
     /// to grow.
     fn of(first: usize, turns: impl Iterator<Item = (f64, bool, usize)>, own: f64) -> Self {
