@@ -16,15 +16,17 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs::{File, TryLockError};
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// The pieces of a study that are finished.
 pub struct Journal {
     /// Path of the file; `None` for a journal that is not kept.
     path: Option<PathBuf>,
+    /// Beginning of the keys of all pieces that are asked for.
+    prefix: String,
     /// `true` for the key of a piece that this worker computes.
-    is_ours: Box<dyn Fn(&str) -> bool + Send + Sync>,
-    pages: Mutex<Pages>,
+    is_ours: Arc<dyn Fn(&str) -> bool + Send + Sync>,
+    pages: Arc<Mutex<Pages>>,
 }
 
 #[derive(Default)]
@@ -50,14 +52,28 @@ impl Journal {
     }
 
     fn new(path: Option<PathBuf>, pages: Pages) -> Self {
-        Self { path, is_ours: Box::new(|_| true), pages: Mutex::new(pages) }
+        let pages = Arc::new(Mutex::new(pages));
+        Self { path, prefix: String::new(), is_ours: Arc::new(|_| true), pages }
+    }
+
+    /// The same journal for one of several analyses of one study: the key of each piece begins with `name`, so that equal keys
+    /// of two analyses are two pieces.
+    #[must_use]
+    pub fn named(&self, name: &str) -> Self {
+        let Self { path, prefix, is_ours, pages } = self;
+        Self {
+            path: path.clone(),
+            prefix: format!("{prefix}{name}: "),
+            is_ours: Arc::clone(is_ours),
+            pages: Arc::clone(pages),
+        }
     }
 
     /// Returns the same journal for one of several workers: a study then computes a missing piece only if `is_ours` is true
     /// of its key.
     #[must_use]
     pub fn shared(self, is_ours: impl Fn(&str) -> bool + Send + Sync + 'static) -> Self {
-        Self { is_ours: Box::new(is_ours), ..self }
+        Self { is_ours: Arc::new(is_ours), ..self }
     }
 
     /// Adds finished pieces, by their keys, without writing them to the file.
@@ -162,6 +178,7 @@ impl Journal {
         key: &str,
         work: impl FnOnce() -> Result<Option<T>, Error>,
     ) -> Result<Option<T>, Error> {
+        let key = &*format!("{}{key}", self.prefix);
         // In a statement of its own: the lock is not held during the work.
         let known = {
             let pages = &mut *self.pages();
@@ -378,6 +395,17 @@ mod tests {
             let (worked, found) = made(&again, &format!("{value:e}"), 7.0);
             assert!(!worked && found.unwrap().to_bits() == value.to_bits());
         }
+    }
+
+    #[test]
+    fn named_analyses_of_one_study_do_not_mix_their_pieces() {
+        let journal = Journal::forgotten();
+        assert_eq!(made(&journal, "a", 1.0), (true, Some(1.0)));
+        assert_eq!(made(&journal.named("changed"), "a", 2.0), (true, Some(2.0)));
+        assert_eq!(made(&journal.named("changed"), "a", 3.0), (false, Some(2.0)));
+        assert_eq!(made(&journal, "changed: a", 3.0), (false, Some(2.0)));
+        let shared = journal.shared(|key| !key.starts_with("other: "));
+        assert_eq!(made(&shared.named("other"), "a", 4.0), (false, None));
     }
 
     #[test]

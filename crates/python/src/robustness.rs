@@ -87,8 +87,8 @@ impl Robustness {
 
     fn parameters(&self, scene: &amontons::scene::Scene) -> Result<Vec<Parameter>, Error> {
         let uncertain = self.uncertain.iter().map(|(name, text)| {
-            let distribution = distribution(text, name)?;
-            Ok(Uncertain { name: name.clone(), distribution })
+            Uncertain::parse(&format!("{name}={text}"))
+                .map_err(|why| Error::argument(format!("{name}: {why}")))
         });
         let found = parameters(scene, &uncertain.collect::<Result<Vec<_>, Error>>()?)?;
         if found.is_empty() && self.pushes.is_none() {

@@ -14,6 +14,9 @@ use std::f64::consts::FRAC_PI_2;
 /// Values that people call small are told from here on.
 const TOLD: f64 = 1e-9;
 
+/// The word before a distribution with which all parameters of a name scatter together.
+const TOGETHER: &str = "together ";
+
 /// A name, in which `*` stands for any part, and a distribution: `module[*].k6=uniform(±10%)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertain {
@@ -21,6 +24,8 @@ pub struct Uncertain {
     pub name: String,
     /// The distribution of each parameter of this name.
     pub distribution: Distribution,
+    /// `true` if all parameters of this name change by the same part of their values: `module[*].k6=together normal(±10%)`.
+    pub is_together: bool,
 }
 
 impl Uncertain {
@@ -33,8 +38,19 @@ impl Uncertain {
             "write it as NAME=DISTRIBUTION, such as friction.coefficient=normal(0.4,0.05)"
                 .to_owned()
         })?;
+        let distribution = distribution.trim();
+        let (is_together, distribution) = match distribution.strip_prefix(TOGETHER) {
+            Some(distribution) => (true, distribution),
+            None => (false, distribution),
+        };
         let distribution = Distribution::parse(distribution)?;
-        Ok(Self { name: name.trim().to_owned(), distribution })
+        Ok(Self { name: name.trim().to_owned(), distribution, is_together })
+    }
+
+    /// The distribution as it is written.
+    #[must_use]
+    pub fn written(&self) -> String {
+        format!("{}{}", if self.is_together { TOGETHER } else { "" }, self.distribution)
     }
 
     /// `true` if a parameter has the name, or one of the pattern.
@@ -44,10 +60,13 @@ impl Uncertain {
     }
 }
 
-/// A parameter of a scene that scatters.
+/// A parameter of a scene that scatters, or several that scatter together.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    variable: Variable,
+    /// Its name, or the pattern of those that scatter together.
+    name: String,
+    /// Its variable, or those that scatter together: each with its value as a part of the parameter's.
+    variables: Vec<(Variable, f64)>,
     /// The distribution as it is written.
     pub distribution: String,
     /// The value that the scene gives.
@@ -74,7 +93,7 @@ impl Parameter {
     /// The name of the parameter.
     #[must_use]
     pub fn name(&self) -> &str {
-        &self.variable.name
+        &self.name
     }
 
     /// Its name, distribution and nominal value.
@@ -116,29 +135,27 @@ impl Parameter {
 pub fn parameters(scene: &Scene, uncertain: &[Uncertain]) -> Result<Vec<Parameter>, Error> {
     let known = settable(scene);
     let mut found: Vec<(Parameter, &str)> = Vec::new();
-    for Uncertain { name, distribution } in uncertain {
-        for variable in matching(scene, &known, name, "be uncertain")? {
+    for one in uncertain {
+        let name = &*one.name;
+        let variables = matching(scene, &known, name, "be uncertain")?;
+        for variable in &variables {
             let own = &variable.name;
-            if let Some((_, other)) = found.iter().find(|(before, _)| before.name() == own) {
+            let has = |before: &Parameter| before.variables.iter().any(|it| it.0.name == *own);
+            if let Some((_, other)) = found.iter().find(|(before, _)| has(before)) {
                 let both =
-                    if *other == name { name.clone() } else { format!("{other} and {name}") };
+                    if *other == name { name.to_owned() } else { format!("{other} and {name}") };
                 return Err(Error::argument(format!(
                     "{own} is given two distributions, by {both}; give it one --uncertain"
                 )));
             }
-            let nominal = value_of(scene, own)?;
-            let bounds = bounds(rule_of(scene, variable));
-            let draws = distribution
-                .draws(nominal, bounds)
-                .map_err(|why| Error::argument(format!("{distribution} of {own} {why}")))?;
-            let parameter = Parameter {
-                variable: variable.clone(),
-                distribution: distribution.to_string(),
-                nominal,
-                is_relative: distribution.is_relative(),
-                draws,
-            };
-            found.push((parameter, name));
+        }
+        let groups: Vec<Vec<(&Variable, f64)>> = if one.is_together {
+            vec![valued(scene, &variables)?]
+        } else {
+            variables.iter().map(|it| valued(scene, &[it])).collect::<Result<_, Error>>()?
+        };
+        for group in groups {
+            found.push((scattering(scene, one, &group)?, name));
         }
     }
     if found.len() > DIMENSIONS / 2 {
@@ -149,6 +166,45 @@ pub fn parameters(scene: &Scene, uncertain: &[Uncertain]) -> Result<Vec<Paramete
         )));
     }
     Ok(found.into_iter().map(|(parameter, _)| parameter).collect())
+}
+
+/// Variables with their values in the scene.
+fn valued<'a>(
+    scene: &Scene,
+    variables: &[&'a Variable],
+) -> Result<Vec<(&'a Variable, f64)>, Error> {
+    variables.iter().map(|variable| Ok((*variable, value_of(scene, &variable.name)?))).collect()
+}
+
+/// The parameter of a variable, or of several that scatter together.
+fn scattering(
+    scene: &Scene,
+    uncertain: &Uncertain,
+    group: &[(&Variable, f64)],
+) -> Result<Parameter, Error> {
+    let Uncertain { name, distribution, is_together } = uncertain;
+    // A part of zero is zero: another value stands for all.
+    let (first, nominal) = *group.iter().find(|one| one.1 != 0.0).unwrap_or(&group[0]);
+    let own = if *is_together { name } else { &first.name };
+    let differs = group.iter().any(|one| one.1 != nominal);
+    if differs && !distribution.is_relative() {
+        return Err(Error::argument(format!(
+            "the values of {name} differ, so that they scatter together by parts of themselves only; give a distribution such as \
+             normal(±5%)"
+        )));
+    }
+    let draws = distribution
+        .draws(nominal, bounds(rule_of(scene, first)))
+        .map_err(|why| Error::argument(format!("{distribution} of {own} {why}")))?;
+    let part = |value: f64| if value == nominal { 1.0 } else { value / nominal };
+    Ok(Parameter {
+        name: own.clone(),
+        variables: group.iter().map(|(it, value)| ((*it).clone(), part(*value))).collect(),
+        distribution: uncertain.written(),
+        nominal,
+        is_relative: distribution.is_relative(),
+        draws,
+    })
 }
 
 /// All variables of a scene that have a value of their own.
@@ -212,7 +268,9 @@ pub(super) fn listed<'a>(values: impl Iterator<Item = (&'a str, f64)>) -> String
 /// # Errors
 /// Returns an error if values are impossible together; it has the values.
 pub fn scene_with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Result<Scene, Error> {
-    let pairs = parameters.iter().map(|parameter| &parameter.variable).zip(values.iter().copied());
+    let pairs = parameters.iter().zip(values).flat_map(|(parameter, value)| {
+        parameter.variables.iter().map(move |(variable, part)| (variable, part * value))
+    });
     written(scene, pairs).map_err(|error| {
         Error::scene(format!(
             "a draw is impossible: {error}; the draw has {}. Give distributions whose values are possible together",
@@ -300,6 +358,27 @@ mod tests {
         assert!(!matches("spring.*", "spring.k1.stiffness") && !matches("k*", "ak"));
         let springs = Uncertain::parse("module[*].k6=uniform(±10%)").unwrap();
         assert!(springs.is_of("module[2].k6") && !springs.is_of("module[2].k5"));
+    }
+
+    #[test]
+    fn values_that_scatter_together_change_by_one_part_of_themselves() {
+        let mut scene = builtin("set1").unwrap().scene();
+        scene.modules_mut()[1].stiffness[5] = 0.25 * scene.modules()[0].stiffness[5];
+        let own = scene.modules()[0].stiffness[5];
+        let found = of(&scene, &["module[*].k6=together normal(±10%)"]).unwrap();
+        assert_eq!((found.len(), found[0].name(), found[0].nominal), (1, "module[*].k6", own));
+        assert_eq!(found[0].distribution, "together normal(±10%)");
+        let drawn = scene_with(&scene, &found, &[2.0 * own]).unwrap();
+        assert_eq!(value_of(&drawn, "module[1].k6"), Ok(2.0 * own));
+        assert_eq!(value_of(&drawn, "module[2].k6"), Ok(0.5 * own));
+        // A spring of zero stays one.
+        scene.modules_mut()[0].stiffness[5] = 0.0;
+        let found = of(&scene, &["module[*].k6=together normal(±10%)"]).unwrap();
+        let drawn = scene_with(&scene, &found, &[own]).unwrap();
+        assert_eq!(value_of(&drawn, "module[1].k6"), Ok(0.0));
+        assert_eq!(value_of(&drawn, "module[2].k6"), Ok(own));
+        let error = of(&scene, &["module[*].k6=together uniform(1,2)"]).unwrap_err().to_string();
+        assert!(error.contains("the values of module[*].k6 differ"), "{error}");
     }
 
     #[test]

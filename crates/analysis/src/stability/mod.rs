@@ -35,8 +35,8 @@ pub use named::named_states;
 pub use parallel::{is_on_this_thread, on_this_thread};
 pub(crate) use sensitivity::group_derivatives;
 pub use sensitivity::{
-    CriticalFriction, Merging, ModeSensitivity, Parameter, Sensitivities, critical_friction,
-    sensitivities,
+    CriticalFriction, Merging, ModeSensitivity, Parameter, Sensitivities, critical_at,
+    critical_friction, sensitivities,
 };
 pub use state_energy::{StateEnergy, state_energy};
 pub use states::{MAX_CONTACTS, StateClasses, spectra_of};

@@ -484,10 +484,28 @@ pub(crate) fn run_to_steady_state(
     observation: &ObservationSettings,
     is_over: &dyn Fn() -> bool,
 ) -> Result<Option<LongTermMotion>, Error> {
+    run_and_tell(simulation, observation, is_over, &|_| {})
+}
+
+/// Advances a simulation as [`run_to_steady_state`] does. `reached` hears the time as a part of the longest one for a motion to
+/// settle.
+///
+/// # Errors
+/// Returns an error if the motion fails ([`Simulation::advance_to`]).
+pub(crate) fn run_and_tell(
+    simulation: &mut Simulation,
+    observation: &ObservationSettings,
+    is_over: &dyn Fn() -> bool,
+    reached: &dyn Fn(f64),
+) -> Result<Option<LongTermMotion>, Error> {
     let mut settling = Settling::new(simulation, observation)?;
+    let start = simulation.time();
     loop {
-        if settling.row.is_multiple_of(256) && is_over() {
-            return Ok(None);
+        if settling.row.is_multiple_of(256) {
+            if is_over() {
+                return Ok(None);
+            }
+            reached((simulation.time() - start) / observation.longest);
         }
         simulation.advance_to(settling.next_time())?;
         if let Some(ending) = settling.note(simulation, is_over)? {

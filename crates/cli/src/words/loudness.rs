@@ -27,7 +27,7 @@ pub const COLUMNS: &str = "rms: root mean square of the speed of the fastest poi
                            cycle: energy that friction feeds in during one period";
 
 /// The sentence on a scene in which no start leads anywhere.
-pub const NO_WAY: &str = "small motions die out; a larger one may still exist, since stick-slip needs no growing mode: `amontons study \
+pub const NO_WAY: &str = "no small motion grows; a larger one may still exist, since stick-slip needs no growing mode: `amontons study \
                           continuation` looks for motions over µ";
 
 /// Sentences on the starts: growing modes, or candidates and those that are left out. `push` is the velocity of a start along a
@@ -54,7 +54,8 @@ pub fn starts(ways: &Ways, found: &Loudness, push: f64) -> Vec<String> {
             "candidates were not looked for: {contacts} contacts have too many contact states"
         )),
         Some(Unexamined::Candidates(left)) => said.push(format!(
-            "{left} more candidates were not pushed, those that need the most energy; --candidates {} includes them",
+            "{left} more candidates were not pushed, those that need the most energy; `amontons study loudness --candidates {}` \
+             includes them",
             ways.ways.len() + left
         )),
         None => {}
@@ -231,4 +232,25 @@ pub fn power_lines(measured: &Measured) -> Vec<String> {
         power.unbalanced.max(1e-16)
     ));
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The page of a report tells it too, and the command of reports has no such option.
+    #[test]
+    fn an_option_is_told_with_the_command_that_has_it() {
+        let unexamined = Some(Unexamined::Candidates(3));
+        let ways = Ways { grows: false, ways: Vec::new(), unexamined: unexamined.clone() };
+        let found = Loudness {
+            grows: false,
+            rows: Vec::new(),
+            motions: Vec::new(),
+            unexamined,
+            findings: Vec::new(),
+        };
+        let said = starts(&ways, &found, 0.1).join("; ");
+        assert!(said.contains("`amontons study loudness --candidates 3` includes them"), "{said}");
+    }
 }

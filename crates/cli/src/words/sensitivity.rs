@@ -128,7 +128,8 @@ pub fn bars<'a>(
     first: usize,
 ) -> Bars {
     let bars = |effects: &[Effect<'_>]| {
-        let shown = effects.iter().take(first);
+        // One unit of a parameter that is zero is no part of it.
+        let shown = effects.iter().filter(|effect| !effect.is_by_unit()).take(first);
         let bar = |effect: &Effect<'_>| Bar {
             label: effect.parameter.name.clone(),
             value: effect.largest()[0],

@@ -23,6 +23,8 @@ mod study_loudness;
 mod study_orbit;
 mod study_perturbation;
 mod study_report;
+mod study_report_cases;
+mod study_report_changes;
 mod study_robustness;
 mod sweep;
 mod transient;

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-fn amontons(folder: &Path, arguments: &[&str]) -> Output {
+pub fn amontons(folder: &Path, arguments: &[&str]) -> Output {
     run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
 }
 
@@ -18,17 +18,17 @@ fn stability(folder: &Path, arguments: &[&str]) -> String {
 }
 
 /// Runs `study report` into `out`, and returns what it printed.
-fn report(folder: &Path, arguments: &[&str]) -> String {
+pub fn report(folder: &Path, arguments: &[&str]) -> String {
     let output = amontons(folder, &[&["study", "report"], arguments, &["-o", "out"]].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
     text(&output.stdout)
 }
 
-fn page(folder: &Path) -> String {
+pub fn page(folder: &Path) -> String {
     fs::read_to_string(folder.join("out/report.html")).unwrap()
 }
 
-fn study(folder: &Path, name: &str) -> Value {
+pub fn study(folder: &Path, name: &str) -> Value {
     let text = fs::read_to_string(folder.join(name).join("study.json")).unwrap();
     serde_json::from_str::<Value>(&text).unwrap()["results"].clone()
 }
@@ -39,13 +39,14 @@ fn between<'a>(text: &'a str, from: &str, to: &str) -> Vec<&'a str> {
 }
 
 /// The rows of the table whose caption begins so, cell by cell.
-fn cells(page: &str, caption: &str) -> Vec<Vec<String>> {
+pub fn cells(page: &str, caption: &str) -> Vec<Vec<String>> {
     let table = page.split("<table>").find(|table| {
         between(table, "<span>", "</span>").first().is_some_and(|found| found.starts_with(caption))
     });
     let table = table.unwrap_or_else(|| panic!("no table {caption}"));
     let plain = |cell: &str| {
         let text = cell.split_once('>').unwrap().1.replace("<strong>", "").replace("</strong>", "");
+        let text = text.replace("<wbr>", "");
         text.replace("</th>", "").replace("</td>", "")
     };
     let row = |row: &str| {
@@ -99,7 +100,7 @@ fn the_numbers_of_the_page_are_those_of_the_single_commands() {
         let [.., frequency, rate] = line.split_whitespace().collect::<Vec<_>>()[..] else {
             panic!("{line}")
         };
-        assert_eq!([&*row[3], &*row[2]], [frequency, rate]);
+        assert_eq!([&*row[3], &*row[2]], [frequency, rate].map(|it| it.replace('-', "−")));
     }
 }
 

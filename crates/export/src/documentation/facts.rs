@@ -1,6 +1,8 @@
 //! Facts of a scene, in words.
 
 use super::Subject;
+use amontons::decimal::to_significant;
+use amontons::error::Short;
 use amontons::model::{Equilibrium, LumpedModel};
 use amontons::scene::{Method, Scene, Structure};
 use amontons::simulation::catalogue::{Causality, fmu_variables};
@@ -126,8 +128,10 @@ fn contact(scene: &Scene) -> String {
 pub fn normal_forces(scene: &Scene, equilibrium: &Equilibrium, most: usize) -> String {
     let all = equilibrium.normal_force.len();
     let closed: Vec<usize> = (0..all).filter(|i| equilibrium.is_closed(*i)).collect();
-    let force =
-        |i: &usize| format!("{:.4} N at {}", equilibrium.normal_force[*i], scene.contact_name(*i));
+    let force = |i: &usize| {
+        let newtons = Short(to_significant(equilibrium.normal_force[*i], 6));
+        format!("{newtons} N at {}", scene.contact_name(*i))
+    };
     let mut told: Vec<String> = closed.iter().take(most).map(force).collect();
     if closed.len() > most {
         told.push(format!("and {} more", closed.len() - most));
@@ -192,14 +196,14 @@ mod tests {
 
     #[test]
     fn open_contacts_are_counted_and_closed_ones_have_their_forces() {
-        assert_eq!(told(&[-5.0, -4.0], 2), "5.0000 N at contact.c0, 4.0000 N at contact.c1");
+        assert_eq!(told(&[-5.0, -4.0], 2), "5 N at contact.c0, 4 N at contact.c1");
         assert_eq!(
             told(&[1.0, -5.0, -4.0], 2),
-            "5.0000 N at contact.c1, 4.0000 N at contact.c2; 1 of 3 contacts is open"
+            "5 N at contact.c1, 4 N at contact.c2; 1 of 3 contacts is open"
         );
         assert_eq!(
             told(&[1.0, -5.0, 2.0, -4.0], 1),
-            "5.0000 N at contact.c1, and 1 more; 2 of 4 contacts are open"
+            "5 N at contact.c1, and 1 more; 2 of 4 contacts are open"
         );
         assert_eq!(told(&[1.0, 2.0], 4), "all 2 contacts are open");
         assert_eq!(told(&[1.0], 4), "the contact is open");

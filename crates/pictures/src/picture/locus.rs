@@ -10,14 +10,34 @@ use std::f64::consts::TAU;
 /// mode, and marks where modes begin to grow and where they merge.
 #[must_use]
 pub fn locus_chart(title: String, x_label: String, loci: &[(Option<String>, &Locus)]) -> Chart {
+    drawn(title, x_label, loci, &|branch| branch + 1)
+}
+
+/// The chart of one locus whose branches have these numbers.
+#[must_use]
+pub fn numbered_locus_chart(
+    title: String,
+    x_label: String,
+    locus: &Locus,
+    numbers: &[usize],
+) -> Chart {
+    drawn(title, x_label, &[(None, locus)], &|branch| numbers[branch])
+}
+
+fn drawn(
+    title: String,
+    x_label: String,
+    loci: &[(Option<String>, &Locus)],
+    number: &dyn Fn(usize) -> usize,
+) -> Chart {
     let panel = |y_label: &str, part: fn(&Root) -> f64, marks, zero_line| Panel {
         y_label: y_label.to_owned(),
-        series: curves(loci, part),
+        series: curves(loci, part, number),
         marks,
         zero_line,
         ..Panel::default()
     };
-    let [critical, merging] = marks(loci, &x_label);
+    let [critical, merging] = marks(loci, &x_label, number);
     Chart {
         title,
         x_label,
@@ -29,13 +49,20 @@ pub fn locus_chart(title: String, x_label: String, loci: &[(Option<String>, &Loc
     }
 }
 
-fn curves(loci: &[(Option<String>, &Locus)], part: fn(&Root) -> f64) -> Vec<Series> {
+/// Curves in the order of their numbers.
+fn curves(
+    loci: &[(Option<String>, &Locus)],
+    part: fn(&Root) -> f64,
+    number: &dyn Fn(usize) -> usize,
+) -> Vec<Series> {
     let mut curves = Vec::new();
     for (place, (label, locus)) in loci.iter().enumerate() {
-        for (mode, branch) in locus.followed() {
+        let mut followed: Vec<_> = locus.followed().map(|it| (number(it.0), it.1)).collect();
+        followed.sort_by_key(|it| it.0);
+        for (mode, branch) in followed {
             let (label, colour) = match label {
                 Some(label) => (label.clone(), place),
-                None => (format!("mode {}", mode + 1), mode),
+                None => (format!("mode {mode}"), mode - 1),
             };
             let points = locus.values.iter().zip(branch);
             let points = points.filter(|(_, root)| locus.contains(**root));
@@ -51,7 +78,11 @@ fn curves(loci: &[(Option<String>, &Locus)], part: fn(&Root) -> f64) -> Vec<Seri
 }
 
 /// Marks at values where modes begin to grow, and where they merge; none for a family, which has too many.
-fn marks(loci: &[(Option<String>, &Locus)], x_label: &str) -> [Vec<Mark>; 2] {
+fn marks(
+    loci: &[(Option<String>, &Locus)],
+    x_label: &str,
+    number: &dyn Fn(usize) -> usize,
+) -> [Vec<Mark>; 2] {
     let [(_, locus)] = loci else { return [Vec::new(), Vec::new()] };
     let mark = |x: f64, label: String| Mark { x, label: Some(label) };
     // The axis may have a prefix, so a value has its own unit.
@@ -61,7 +92,9 @@ fn marks(loci: &[(Option<String>, &Locus)], x_label: &str) -> [Vec<Mark>; 2] {
     };
     let critical = locus.crossings.iter().map(|c| mark(c.value, value(c.value)));
     let merging = locus.coalescences.iter().map(|c| {
-        let [a, b] = c.modes.map(|mode| mode + 1);
+        let mut modes = c.modes.map(number);
+        modes.sort_unstable();
+        let [a, b] = modes;
         mark(c.value, format!("{a}–{b}: {}", value(c.value)))
     });
     // Double modes begin to grow at one place, which is marked once.

@@ -28,7 +28,7 @@ pub use bars::{Bar, BarGroup, Bars};
 pub use chart::{Band, Chart, Lane, LaneInterval, Mark, Marker, Panel, Raster, Series, Style};
 pub use class::Class;
 pub use file::check_name;
-pub use locus::locus_chart;
+pub use locus::{locus_chart, numbered_locus_chart};
 pub use map::Map;
 pub use mesh_shapes::{MeshShape, MeshShapes};
 pub use mode_shapes::{ModeShape, ModeShapes};

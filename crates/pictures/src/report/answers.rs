@@ -1,6 +1,6 @@
 //! The answers at the start of a page, each with a link to the section that shows it.
 
-use super::markup::{add, text};
+use super::markup::{add, breakable, text};
 use super::{Answer, Page};
 use amontons::Error;
 
@@ -27,7 +27,7 @@ pub(super) fn answers(page: &Page) -> Result<String, Error> {
             } else {
                 String::new()
             };
-            add(&mut html, format_args!("<p>{}{link}</p>\n", text(one)));
+            add(&mut html, format_args!("<p>{}{link}</p>\n", breakable(one)));
         }
     }
     Ok(html + "</section>\n")

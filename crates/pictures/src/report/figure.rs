@@ -1,7 +1,7 @@
 //! A figure of a report: its picture, its caption, its data as tables.
 
 use super::listing::listings;
-use super::markup::{add, plain_table, sheet, text};
+use super::markup::{add, breakable, plain_table, sheet, text};
 use super::thin::kept;
 use super::{Content, Figure};
 use crate::picture::{Chart, Series};
@@ -33,7 +33,7 @@ pub(super) fn figure(figure: &Figure, number: usize) -> Result<String, Error> {
     let listings = listings(&figure.content);
     for (place, listing) in listings.tables.iter().enumerate() {
         let id = format!("{id}-data-{}", place + 1);
-        let rows = listing.rows.iter().map(|row| row.iter().map(|cell| text(cell)));
+        let rows = listing.rows.iter().map(|row| row.iter().map(|cell| breakable(cell)));
         plain_table(&mut html, &id, &text(&listing.caption()), &listing.head, rows);
     }
     for note in &listings.notes {

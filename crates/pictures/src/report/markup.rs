@@ -17,6 +17,31 @@ pub fn text(plain: &str) -> String {
     escape(plain).into_owned()
 }
 
+/// Words of fewer letters fit on a line of a narrow screen.
+const LONG: usize = 16;
+
+/// Text between tags, in which long names such as `contact.upper_lining.friction` may break after a point or an underscore.
+pub(super) fn breakable(plain: &str) -> String {
+    let word = |word: &str| {
+        if word.chars().count() < LONG {
+            return text(word);
+        }
+        let letters: Vec<char> = word.chars().collect();
+        let mut html = String::new();
+        let mut from = 0;
+        for place in 1..letters.len() - 1 {
+            let is_join = matches!(letters[place], '.' | '_');
+            if is_join && letters[place - 1] != '.' && letters[place + 1].is_alphabetic() {
+                html += &text(&letters[from..=place].iter().collect::<String>());
+                html += "<wbr>";
+                from = place + 1;
+            }
+        }
+        html + &text(&letters[from..].iter().collect::<String>())
+    };
+    plain.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
 /// # Errors
 /// Returns an error in the cases of [`super::html`].
 pub(super) fn page(page: &Page) -> Result<String, Error> {
@@ -72,7 +97,7 @@ pub fn add(html: &mut String, what: std::fmt::Arguments<'_>) {
 
 fn paragraphs(html: &mut String, all: &[String]) {
     for one in all {
-        add(html, format_args!("<p>{}</p>\n", text(one)));
+        add(html, format_args!("<p>{}</p>\n", breakable(one)));
     }
 }
 
@@ -152,7 +177,7 @@ fn points(html: &mut String, all: &[String]) {
         return;
     }
     html.push_str("<ul>\n");
-    all.iter().for_each(|one| add(html, format_args!("<li>{}</li>\n", text(one))));
+    all.iter().for_each(|one| add(html, format_args!("<li>{}</li>\n", breakable(one))));
     html.push_str("</ul>\n");
 }
 
@@ -240,8 +265,8 @@ fn table(html: &mut String, table: &Table, number: usize) -> Result<(), Error> {
 
 fn cell(cell: &Cell) -> String {
     let lines = cell.lines.iter().map(|line| match line.emphasised {
-        true => format!("<strong>{}</strong>", text(&line.text)),
-        false => text(&line.text),
+        true => format!("<strong>{}</strong>", breakable(&line.text)),
+        false => breakable(&line.text),
     });
     lines.collect::<Vec<_>>().join("<br>")
 }
@@ -276,4 +301,22 @@ pub fn plain_table(
         html.push_str("</tr>\n");
     }
     html.push_str("</tbody>\n</table>\n</div>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_names_break_after_points_and_underscores_and_numbers_do_not() {
+        assert_eq!(
+            breakable("contact.upper_lining.friction <10 %"),
+            "contact.<wbr>upper_<wbr>lining.<wbr>friction &lt;10 %"
+        );
+        assert_eq!(breakable("module[1].k6 at 1087.907 Hz"), "module[1].k6 at 1087.907 Hz");
+        assert_eq!(
+            breakable("0.12345678901234567890 … uniform(0.1,0.2222)"),
+            "0.12345678901234567890 … uniform(0.1,0.2222)"
+        );
+    }
 }

@@ -52,7 +52,8 @@ def robustness(
     ----------
     uncertain : mapping of str to str
         The distribution of each parameter by its name, such as ``{"friction.coefficient": "normal(0.4,0.05)",
-        "module[*].k6": "uniform(±10%)"}``; ``*`` stands for any part of a name, and each parameter has draws of its own. The
+        "module[*].k6": "uniform(±10%)"}``; ``*`` stands for any part of a name, and each parameter has draws of its own, unless
+        the word together precedes the distribution: all then change by the same part. The
         distributions are those of ``amontons study robustness``. The mapping may be empty if there are pushes.
     state : str, optional
         A contact state, as in `Scene.eigenvalues`; by default uniform sliding.

@@ -52,18 +52,35 @@ pub fn critical_friction(
     frequencies: [f64; 2],
     done: &dyn Fn(usize, usize),
 ) -> Result<Vec<CriticalFriction>, Error> {
+    let model_at = |value: f64| {
+        let mut scene = scene.clone();
+        assign(&mut scene, FRICTION, value)?;
+        scene.check()?;
+        Ok(Linearised::of(&scene))
+    };
+    let part = |i: u32| f64::from(i) / f64::from(INTERVALS);
+    let values: Vec<f64> = (0..=INTERVALS).map(|i| from + (to - from) * part(i)).collect();
+    critical_at(scene, states, &locus(&model_at, states, &values, frequencies, done)?.crossings)
+}
+
+/// The critical friction coefficients at crossings of a locus over the common friction coefficient, with their derivatives; modes
+/// that cross together are one.
+///
+/// # Errors
+/// Returns an error if a scene with this µ is impossible.
+pub fn critical_at(
+    scene: &Scene,
+    states: &[ContactState],
+    crossings: &[Crossing],
+) -> Result<Vec<CriticalFriction>, Error> {
     let with = |value: f64| {
         let mut scene = scene.clone();
         assign(&mut scene, FRICTION, value)?;
         scene.check()?;
-        Ok(scene)
+        Ok::<Scene, Error>(scene)
     };
-    let model_at = |value: f64| Ok(Linearised::of(&with(value)?));
-    let part = |i: u32| f64::from(i) / f64::from(INTERVALS);
-    let values: Vec<f64> = (0..=INTERVALS).map(|i| from + (to - from) * part(i)).collect();
-    let crossings = locus(&model_at, states, &values, frequencies, done)?.crossings;
     let mut apart: Vec<Crossing> = Vec::new();
-    for crossing in crossings {
+    for &crossing in crossings {
         let is_same = |it: &Crossing| {
             it.value == crossing.value
                 && (it.frequency_hz - crossing.frequency_hz).abs() <= 1e-9 * it.frequency_hz

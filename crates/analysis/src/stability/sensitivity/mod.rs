@@ -20,7 +20,7 @@ mod merging;
 mod nullspace;
 mod shapes;
 
-pub use critical::{CriticalFriction, critical_friction};
+pub use critical::{CriticalFriction, critical_at, critical_friction};
 
 use super::parallel::collect;
 use super::{Linearised, modes};

@@ -6,6 +6,7 @@
 //! | `points` | points whose motion is measured, and the normals of their contacts |
 //! | `measure` | velocities, powers and contact states of a motion that has settled |
 //! | `shares` | modes of uniform sliding in that motion |
+//! | `runs` | the progress of runs that take long |
 //! | `ranks` | ranks by growth and by loudness, and where they disagree |
 //!
 //! Each motion starts in the equilibrium with a small motion along one mode, and is followed until it has settled. For
@@ -15,6 +16,7 @@
 mod measure;
 mod points;
 mod ranks;
+mod runs;
 mod shares;
 mod ways;
 
@@ -28,7 +30,7 @@ pub use ways::{Unexamined, Way, WayKind, Ways, check_undriven, ways};
 use super::attractor::attractors;
 use super::long_term::{Kind, LongTermMotion};
 use super::observation::ObservationSettings;
-use super::settling::run_to_steady_state;
+use super::settling::run_and_tell;
 use super::visit::visited;
 use super::{Journal, Watch};
 use crate::stability::Linearised;
@@ -37,6 +39,7 @@ use amontons::Error;
 use amontons::integrator::Motion;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
+use runs::Runs;
 use serde::{Deserialize, Serialize};
 use shares::ModalShares;
 use ways::Start;
@@ -155,17 +158,25 @@ pub fn loudness(
     for (place, way) in found.ways.iter().enumerate() {
         starts.extend(way.starts(scene, question.push)?.into_iter().map(|start| (place, start)));
     }
+    let runs = Runs::of(watch, starts.len());
     let work = |i: usize| {
         let (place, start) = &starts[i];
         let way = &found.ways[*place];
         journal.piece(&format!("{}, push {:?}", way.key(), start.push), || {
-            match run(scene, way, start, question, (observation, modal.as_ref()), watch) {
+            let reached = |part: f64| runs.reached(i, part);
+            match run(scene, way, start, question, (observation, modal.as_ref()), (watch, &reached))
+            {
                 Ok(run) => Ok(run.map(Ok)),
                 Err(error) => Ok(Some(Err(error.to_string()))),
             }
         })
     };
-    let made = collect(starts.len(), &work, &watch.parts(starts.len()))?;
+    let work = |i: usize| {
+        let made = work(i);
+        runs.reached(i, 1.0);
+        made
+    };
+    let made = collect(starts.len(), &work, &|_| {})?;
     let made: Option<Vec<Result<Run, String>>> = made.into_iter().collect();
     Ok(made.map(|made| results(found, &starts, &made, observation)))
 }
@@ -177,12 +188,12 @@ fn run(
     start: &Start,
     question: &LoudnessQuestion,
     (observation, modal): (&ObservationSettings, Option<&ModalShares>),
-    watch: Watch<'_>,
+    (watch, reached): (Watch<'_>, &dyn Fn(f64)),
 ) -> Result<Option<Run>, Error> {
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
     let states = simulation.contact_states().to_vec();
     simulation.go_on_from(&Motion::new(start.displacement.clone(), start.velocity.clone(), states));
-    let ending = run_to_steady_state(&mut simulation, observation, &|| watch.is_over())?;
+    let ending = run_and_tell(&mut simulation, observation, &|| watch.is_over(), reached)?;
     let Some(ending) = ending else { return Ok(None) };
     let is_steady = ending.kind.is_cycle() && ending.is_known();
     let met = || Ok(visited(&simulation, observation, ending.period)?.has(&way.contact_states));

@@ -129,8 +129,8 @@ fn no_motion(row: &Row, found: &Loudness, observation: &ObservationSettings) -> 
             format!("{}, but its motion decays to rest", grows(row, found))
         } else if ending.linear && ending.kind == Kind::Unsettled {
             format!(
-                "{name}: the motion still grew after {} s, so its loudness is unknown; a longer --longest or a larger --push \
-                 may show it",
+                "{name}: the motion still grew after {} s, so its loudness is unknown; a longer --longest, or a larger --push of \
+                 `amontons study loudness`, may show it",
                 Short(observation.longest)
             )
         } else if ending.linear {

@@ -71,7 +71,10 @@ pub fn run(arguments: &Loudness) -> Result<(), Box<dyn Error>> {
 }
 
 /// The ways out of uniform sliding, under a bar: with many contacts candidates take a while.
-fn searched(scene: &Scene, most: usize) -> Result<Ways, Box<dyn Error>> {
+///
+/// # Errors
+/// Returns an error as [`ways`] does, or [`Interrupted`] if the user ends the search.
+pub(super) fn searched(scene: &Scene, most: usize) -> Result<Ways, Box<dyn Error>> {
     let bar = Progress::in_parts("the candidates");
     let found = interrupt::watched(&bar, |watch| ways(scene, most, watch));
     if found.is_err() && interrupt::stopped().is_break() {

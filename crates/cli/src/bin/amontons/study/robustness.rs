@@ -55,7 +55,8 @@ pub struct RobustnessArguments {
 pub struct Scatter {
     /// A parameter that scatters, with its distribution: uniform(A,B), triangular(A,MODE,B), normal(MEAN,SD),
     /// lognormal(MEDIAN,SIGMA), with bounds as normal(MEAN,SD,MIN:MAX), or as a part of the scene's value, such as
-    /// normal(±10%). `*` in NAME stands for any part, and each parameter has draws of its own; may be repeated
+    /// normal(±10%). `*` in NAME stands for any part, and each parameter has draws of its own; after the word together, as in
+    /// 'mass.*.mass=together normal(±5%)', all change by the same part. May be repeated
     #[arg(long, value_name = "NAME=DISTRIBUTION", value_parser = Uncertain::parse)]
     pub uncertain: Vec<Uncertain>,
     /// Seed of all draws; other seeds give independent results

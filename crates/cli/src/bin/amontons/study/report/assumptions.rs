@@ -1,5 +1,6 @@
 //! The scatter of parameters: what the user gives, or what the report assumes and says so.
 
+use super::changes::MOST_NAMED;
 use amontons::Error;
 use amontons::model::LumpedModel;
 use amontons::scene::{ContactDefinition, Scene};
@@ -37,6 +38,8 @@ pub struct Assumptions {
     pub uncertain: Vec<Uncertain>,
     /// `true` if the user gave none of it.
     pub is_assumed: bool,
+    /// `true` if there are too many values for a draw of each: those of one kind change by the same part.
+    pub is_together: bool,
     /// `true` if masses and stiffnesses are too many to scatter.
     pub is_friction_alone: bool,
 }
@@ -49,14 +52,24 @@ impl Assumptions {
     pub fn of(scene: &Scene, given: &[Uncertain]) -> Result<Self, Error> {
         if !given.is_empty() {
             let uncertain = given.to_vec();
-            return Ok(Self { uncertain, is_assumed: false, is_friction_alone: false });
+            return Ok(Self {
+                uncertain,
+                is_assumed: false,
+                is_together: false,
+                is_friction_alone: false,
+            });
         }
-        let friction = of_friction(scene)?;
-        let mut all = friction.clone();
-        all.extend(of_masses_and_stiffnesses(scene)?);
-        let is_friction_alone = count(scene, &all) > MOST;
-        let uncertain = if is_friction_alone { friction } else { all };
-        Ok(Self { uncertain, is_assumed: true, is_friction_alone })
+        let all = |is_together: bool| {
+            let friction = of_friction(scene, is_together)?;
+            let others = of_masses_and_stiffnesses(scene, is_together)?;
+            Ok::<_, Error>((friction.clone(), [friction, others].concat()))
+        };
+        let (_, apart) = all(false)?;
+        let is_together = count(scene, &apart) > MOST;
+        let (friction, together) = if is_together { all(true)? } else { (Vec::new(), apart) };
+        let is_friction_alone = is_together && count(scene, &together) > MOST;
+        let uncertain = if is_friction_alone { friction } else { together };
+        Ok(Self { uncertain, is_assumed: true, is_together, is_friction_alone })
     }
 
     /// `true` if friction scatters, and if masses and stiffnesses do.
@@ -67,7 +80,7 @@ impl Assumptions {
 
     /// The options of the command line that say the same.
     pub fn options(&self) -> String {
-        let one = |one: &Uncertain| format!(" --uncertain '{}={}'", one.name, one.distribution);
+        let one = |one: &Uncertain| format!(" --uncertain '{}={}'", one.name, one.written());
         self.uncertain.iter().map(one).collect()
     }
 }
@@ -78,34 +91,47 @@ fn count(scene: &Scene, uncertain: &[Uncertain]) -> usize {
     uncertain.iter().map(|it| one(it).unwrap_or(MOST + 1)).sum()
 }
 
-/// The common µ and those of contacts, each below its static friction.
-fn of_friction(scene: &Scene) -> Result<Vec<Uncertain>, Error> {
-    let mut all = Vec::new();
-    let mut add = |name: String, value: f64, most: Option<f64>| {
+/// The common µ and those of contacts, each below its static friction. Together those of contacts are one, if they can be.
+fn of_friction(scene: &Scene, is_together: bool) -> Result<Vec<Uncertain>, Error> {
+    let scattering = |name: String, value: f64, most: Option<f64>| {
         if value <= 0.0 || require_undriven(scene, &name).is_err() {
-            return Ok(());
+            return Ok(None);
         }
         let text = match most {
             Some(most) => format!("normal({value},{},0:{most})", OF_FRICTION * value),
             None => relative(OF_FRICTION),
         };
-        all.push(Uncertain { name, distribution: distribution(&text)? });
-        Ok::<(), Error>(())
+        let distribution = distribution(&text)?;
+        Ok::<_, Error>(Some(Uncertain { name, distribution, is_together: false }))
     };
+    let mut all = Vec::new();
     if scene.has_common_friction() {
-        add(FRICTION.to_owned(), scene.friction_coefficient, scene.greatest_friction())?;
+        let most = scene.greatest_friction();
+        all.extend(scattering(FRICTION.to_owned(), scene.friction_coefficient, most)?);
     }
     let contacts = scene.network().map_or(&[][..], |network| &network.contacts);
-    for ContactDefinition { name, friction, static_friction, .. } in contacts {
-        if let Some(own) = friction {
-            add(format!("contact.{name}.friction"), *own, *static_friction)?;
-        }
+    let of_contact = |contact: &ContactDefinition| {
+        let name = format!("contact.{}.friction", contact.name);
+        scattering(name, contact.friction?, contact.static_friction).transpose()
+    };
+    let own = contacts.iter().filter_map(of_contact).collect::<Result<Vec<_>, Error>>()?;
+    let all_contacts = Uncertain {
+        name: "contact.*.friction".to_owned(),
+        distribution: distribution(&relative(OF_FRICTION))?,
+        is_together: true,
+    };
+    let is_one = |it: &Uncertain| parameters(scene, std::slice::from_ref(it)).is_ok();
+    if is_together && own.len() > 1 && is_one(&all_contacts) {
+        all.push(all_contacts);
+    } else {
+        all.extend(own);
     }
     Ok(all)
 }
 
-/// Masses and stiffnesses that are not zero; a `*` stands for all parts if each of them scatters.
-fn of_masses_and_stiffnesses(scene: &Scene) -> Result<Vec<Uncertain>, Error> {
+/// Masses and stiffnesses that are not zero; a `*` stands for all parts if each of them scatters. Together a kind is one, if it can
+/// be.
+fn of_masses_and_stiffnesses(scene: &Scene, is_together: bool) -> Result<Vec<Uncertain>, Error> {
     let values = Parameters::of(scene.clone());
     let distribution = distribution(&relative(OF_OTHERS))?;
     let mut all = Vec::new();
@@ -117,13 +143,23 @@ fn of_masses_and_stiffnesses(scene: &Scene) -> Result<Vec<Uncertain>, Error> {
         };
         let scattering: Vec<_> = of_kind.iter().filter(scatters).collect();
         let part = if kind.starts_with("module") { "[*]" } else { ".*" };
-        let names: Vec<String> = if scattering.len() == of_kind.len() && of_kind.len() > 1 {
-            vec![kind.replace("{i}", part)]
-        } else {
-            scattering.iter().map(|(variable, _)| variable.name.clone()).collect()
+        let of = |name: String, is_together: bool| Uncertain {
+            name,
+            distribution: distribution.clone(),
+            is_together,
         };
-        let of = |name| Uncertain { name, distribution: distribution.clone() };
-        all.extend(names.into_iter().map(of));
+        let whole = of(kind.replace("{i}", part), is_together);
+        // A part of zero is zero, so that zeros may be among values that scatter together.
+        let is_whole = if is_together {
+            !scattering.is_empty() && parameters(scene, std::slice::from_ref(&whole)).is_ok()
+        } else {
+            scattering.len() == of_kind.len()
+        };
+        if is_whole && of_kind.len() > 1 {
+            all.push(whole);
+        } else {
+            all.extend(scattering.iter().map(|(variable, _)| of(variable.name.clone(), false)));
+        }
     }
     Ok(all)
 }
@@ -144,32 +180,40 @@ pub struct Plan {
     pub points: u64,
     /// `true` if the points are evaluated that Sobol indices need: one, and one more for each parameter.
     pub has_indices: bool,
+    /// `true` if changed scenes are drawn as often as the scene itself.
+    pub has_changes: bool,
 }
 
 impl Plan {
     /// The number of points that the user gives, or one that takes a short time: fewer points for many parameters and large models, and no
     /// indices where these would leave too few points.
     pub fn of(scene: &Scene, parameters: usize, given: Option<u64>) -> Self {
-        if let Some(points) = given {
-            return Self { points, has_indices: true };
-        }
         let of_indices = parameters + 2;
-        match (affordable(scene, of_indices), affordable(scene, 1)) {
-            (Some(points), _) => Self { points, has_indices: true },
-            (None, points) => Self { points: points.unwrap_or(POINTS[0]), has_indices: false },
-        }
+        let (points, has_indices) = match given {
+            Some(points) => (points, true),
+            None => match (affordable(scene, of_indices), affordable(scene, 1)) {
+                (Some(points), _) => (points, true),
+                (None, points) => (points.unwrap_or(POINTS[0]), false),
+            },
+        };
+        let has_changes = work(scene, points, MOST_NAMED + 1) <= WORK;
+        Self { points, has_indices, has_changes }
     }
 }
 
 /// The largest number of points with this number of evaluations each, if it is not too small.
-#[allow(clippy::cast_precision_loss)]
 fn affordable(scene: &Scene, evaluations: usize) -> Option<u64> {
     let [fewest, most] = POINTS;
+    let mut halves = std::iter::successors(Some(most), |points| Some(points / 2))
+        .take_while(|points| *points >= fewest);
+    halves.find(|points| work(scene, *points, evaluations) <= WORK)
+}
+
+/// The work of draws with this number of evaluations for each point.
+#[allow(clippy::cast_precision_loss)]
+fn work(scene: &Scene, points: u64, evaluations: usize) -> f64 {
     let size = LumpedModel::from(scene).dofs() as f64;
-    let work =
-        |points: u64| (FEWEST_SCRAMBLINGS * points) as f64 * evaluations as f64 * size.powi(3);
-    let halves = std::iter::successors(Some(most), |points| Some(points / 2));
-    halves.take_while(|points| *points >= fewest).find(|points| work(*points) <= WORK)
+    FEWEST_SCRAMBLINGS as f64 * points as f64 * evaluations as f64 * size.powi(3)
 }
 
 #[cfg(test)]
@@ -179,7 +223,7 @@ mod tests {
 
     fn names(scene: &Scene) -> Vec<String> {
         let assumed = Assumptions::of(scene, &[]).unwrap();
-        assumed.uncertain.iter().map(|it| format!("{}={}", it.name, it.distribution)).collect()
+        assumed.uncertain.iter().map(|it| format!("{}={}", it.name, it.written())).collect()
     }
 
     #[test]
@@ -212,21 +256,57 @@ mod tests {
     }
 
     #[test]
-    fn friction_alone_scatters_in_a_ring_with_too_many_parts() {
+    fn values_of_one_kind_scatter_together_in_a_ring_with_too_many_parts() {
         let mut scene = builtin("set1").unwrap().scene();
         let module = scene.modules()[0];
         scene.modules_mut().resize(20, module);
+        scene.modules_mut()[3].stiffness[4] = 0.0;
         let assumed = Assumptions::of(&scene, &[]).unwrap();
-        assert!(assumed.is_friction_alone && assumed.uncertain.len() == 1);
+        assert!(assumed.is_together && !assumed.is_friction_alone);
+        let names = names(&scene);
+        assert_eq!(
+            names[..2],
+            ["friction.coefficient=normal(±10%)", "module[*].m1=together normal(±5%)"]
+        );
+        assert!(names.contains(&"module[*].k5=together normal(±5%)".to_owned()), "{names:?}");
+        assert_eq!(parameters(&scene, &assumed.uncertain).unwrap().len(), names.len());
+    }
+
+    /// With a draw of each there would be more than a Sobol sequence has dimensions.
+    #[test]
+    #[allow(clippy::cast_precision_loss)]
+    fn many_contacts_with_friction_of_their_own_scatter_together() {
+        let part = |i: usize| {
+            format!(
+                "[[mass]]\nname = \"m{i}\"\nmass = 1.0\nforce = [0.0, -10.0]\n[[spring]]\nname = \"s{i}\"\nbetween = [\"m{i}\", \"ground\"]\n\
+                 direction = \"x\"\nstiffness = 1e4\n[[contact]]\nname = \"c{i}\"\nmass = \"m{i}\"\nfriction = {}\n",
+                0.3 + 0.001 * i as f64
+            )
+        };
+        let parts: String = (0..130).map(part).collect();
+        let head = "slider = { velocity = 0.1, angle = 0.0 }\nfriction = { coefficient = 0.3 }\nintegrator = { step = 1e-5 }\n";
+        let scene = parse("many", &format!("{head}{parts}")).unwrap();
+        assert_eq!(
+            names(&scene),
+            [
+                "contact.*.friction=together normal(±10%)",
+                "mass.*.mass=together normal(±5%)",
+                "spring.*.stiffness=together normal(±5%)"
+            ]
+        );
+        assert!(Assumptions::of(&scene, &[]).unwrap().is_together);
     }
 
     #[test]
     fn large_scenes_have_fewer_draws_and_then_no_indices() {
         let small = builtin("set1").unwrap().scene();
-        assert_eq!(Plan::of(&small, 15, None), Plan { points: POINTS[1], has_indices: true });
+        let all = Plan { points: POINTS[1], has_indices: true, has_changes: true };
+        assert_eq!(Plan::of(&small, 15, None), all);
         let ring = builtin("ring12").unwrap().scene();
         let plan = Plan::of(&ring, 97, None);
         assert!(!plan.has_indices && (POINTS[0]..POINTS[1]).contains(&plan.points), "{plan:?}");
-        assert_eq!(Plan::of(&ring, 97, Some(16)), Plan { points: 16, has_indices: true });
+        assert!(!plan.has_changes);
+        let few = Plan { points: 16, has_indices: true, has_changes: true };
+        assert_eq!(Plan::of(&ring, 97, Some(16)), few);
     }
 }

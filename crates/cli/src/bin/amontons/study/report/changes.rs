@@ -5,13 +5,17 @@ use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
 use amontons_analysis::robustness::{Verdict, verdict};
 use amontons_analysis::stability::{CriticalFriction, ModeSensitivity, Sensitivities};
+use amontons_analysis::watch::Watch;
 use amontons_cli::words::digits;
 use amontons_cli::words::sensitivity::{
-    CHANGE, Effect, by_growth, critical_effects, merging_effects, mode_effects,
+    CHANGE, Effect, by_growth, critical_effects, merging_effects, mode_effects, without_derivatives,
 };
 use serde::Serialize;
+use std::cmp::Ordering;
 use std::fmt;
 
+/// Changes of one parameter that the answers name, and the one of all at once.
+pub const MOST_NAMED: usize = 4;
 /// Number of parameters that are changed.
 const CHANGED: usize = 4;
 /// Changes, in parts of a parameter.
@@ -69,6 +73,19 @@ impl fmt::Display for Onset {
 }
 
 impl Change {
+    /// The scene after the change.
+    ///
+    /// # Errors
+    /// Returns an error if it is impossible.
+    pub fn scene(&self, scene: &Scene) -> Result<Scene, Error> {
+        let mut scene = scene.clone();
+        for ((name, _), [_, after]) in self.parameters.iter().zip(&self.values) {
+            assign(&mut scene, name, *after)?;
+        }
+        scene.check()?;
+        Ok(scene)
+    }
+
     /// The change in words: `mass.disc.mass −5 %`.
     pub fn name(&self) -> String {
         let one = |((name, part), values): (&(String, f64), &[f64; 2])| {
@@ -115,34 +132,80 @@ type OnsetOf<'a> = dyn Fn(&Scene) -> Onset + 'a;
 /// raised: each alone by 5 and by 10 %, then all at once.
 ///
 /// # Errors
-/// Returns an error if a changed scene cannot be analysed.
+/// Returns the reason if effects are unknown, a changed scene cannot be analysed, or the watch ended the work.
+#[allow(clippy::cast_precision_loss)]
 pub fn changes(
     scene: &Scene,
     found: &Sensitivities,
     critical: Option<&CriticalFriction>,
     onset: &OnsetOf<'_>,
-) -> Result<Vec<Change>, Error> {
+    watch: Watch<'_>,
+) -> Result<Vec<Change>, String> {
     let Some(&leading) = by_growth(found).first() else { return Ok(Vec::new()) };
+    if let Some(reason) = unknown(leading, critical) {
+        return Err(reason);
+    }
+    let words = |error: Error| error.to_string();
     let levers: Vec<Lever> = levers(found, leading, critical)
         .into_iter()
         .filter(|lever| PARTS.iter().all(|part| changed(scene, &[(lever, *part)]).is_ok()))
         .take(CHANGED)
         .collect();
-    let mut all = Vec::new();
-    for lever in &levers {
-        for part in PARTS {
-            all.push(change(scene, leading, &[(lever, part)], onset)?);
-        }
-    }
+    let mut wanted: Vec<Vec<(&Lever, f64)>> = Vec::new();
+    wanted.extend(levers.iter().flat_map(|lever| PARTS.map(|part| vec![(lever, part)])));
     if levers.len() > 1 {
-        for part in PARTS {
-            let together: Vec<(&Lever, f64)> = levers.iter().map(|lever| (lever, part)).collect();
-            if changed(scene, &together).is_ok() {
-                all.push(change(scene, leading, &together, onset)?);
-            }
-        }
+        let together = PARTS.map(|part| levers.iter().map(|lever| (lever, part)).collect());
+        wanted.extend(together.into_iter().filter(|all: &Vec<_>| changed(scene, all).is_ok()));
+    }
+    let mut all = Vec::new();
+    for (number, levers) in (1_u32..).zip(&wanted) {
+        watch.check().map_err(words)?;
+        all.push(change(scene, leading, levers, onset).map_err(words)?);
+        (watch.progress)(f64::from(number) / wanted.len() as f64);
     }
     Ok(all)
+}
+
+/// The reason why the order of parameters by their effect is unknown.
+fn unknown(mode: &ModeSensitivity, critical: Option<&CriticalFriction>) -> Option<String> {
+    match critical {
+        Some(critical) => {
+            let reason = critical.derivatives.as_ref().err()?;
+            Some(format!(
+                "effects on the µ at which a mode begins to grow are not known, since {reason}"
+            ))
+        }
+        None if mode.merging.is_none() && mode.derivatives.is_none() => Some(format!(
+            "the mode that grows fastest, or decays most slowly, is {}",
+            without_derivatives(mode)
+        )),
+        None => None,
+    }
+}
+
+/// The places of the largest changes of one parameter each, the most helpful first: those after which no mode grows by the µ at which
+/// one begins to, then by the largest growth rate.
+pub fn best(changes: &[Change]) -> Vec<usize> {
+    let is_single = |change: &Change| change.is_large() && change.parameters.len() == 1;
+    let mut places: Vec<usize> = (0..changes.len()).filter(|i| is_single(&changes[*i])).collect();
+    let order = |place: usize| {
+        let change = &changes[place];
+        let computed = change.computed.unwrap_or(f64::INFINITY);
+        match change.onset {
+            // The largest growth rate tells little of changes after which no mode grows.
+            onset if onset != Onset::NotSought && change.growing == 0 => {
+                [0.0, -onset.order(), computed]
+            }
+            _ => [1.0, computed, 0.0],
+        }
+    };
+    places.sort_by(|a, b| order(*a).into_iter().partial_cmp(order(*b)).unwrap_or(Ordering::Equal));
+    places
+}
+
+/// The place of the largest change of all these parameters at once.
+pub fn together(changes: &[Change]) -> Option<usize> {
+    changes.iter().position(|one| one.is_large() && one.parameters.len() > 1)
 }
 
 /// The parameters by their effect on a mode, the largest first. Of a mode that is near a merging the µ of that counts.
@@ -208,4 +271,27 @@ fn change(
         growing: growing.len(),
         onset: onset(&changed),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::builtin;
+    use amontons_analysis::stability::{Linearised, sensitivities};
+
+    /// An eigenvalue that has merged with another one has no derivatives. That is not an effect of zero.
+    #[test]
+    fn effects_on_a_mode_without_derivatives_are_unknown_and_not_zero() {
+        let scene = builtin("disc_brake").unwrap().scene();
+        let here = Linearised::of(&scene);
+        let states = here.uniform_sliding().unwrap();
+        let mut found = sensitivities(&here, &states, [0.0, 1e4], &|_, _| {}).unwrap();
+        let of = |found: &Sensitivities| {
+            changes(&scene, found, None, &|_| Onset::NotSought, Watch::IDLE)
+        };
+        assert!(!of(&found).unwrap().is_empty());
+        found.modes.iter_mut().for_each(|mode| (mode.derivatives, mode.merging) = (None, None));
+        let reason = of(&found).unwrap_err();
+        assert!(reason.contains("equal to another mode with the same shape"), "{reason}");
+    }
 }

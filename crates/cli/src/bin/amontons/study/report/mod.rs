@@ -4,22 +4,28 @@
 //! | --- | --- |
 //! | `assumptions` | the scatter that is assumed where none is given |
 //! | `sliding` | uniform sliding: modes, modes over µ, sensitivities |
+//! | `numbers` | the numbers of modes over µ |
 //! | `changes` | changes of the most effective parameters, computed anew |
+//! | `after` | the probability of growth and the motion after these changes |
 //! | `answers` | the answers at the start of the page |
 //! | `sections` | the sections of the page |
 //! | `rows` | the key numbers |
 
+mod after;
 mod answers;
 mod assumptions;
 mod changes;
+mod numbers;
 mod rows;
 mod sections;
 mod sliding;
 
 use super::arguments::{ObservationOptions, StudyArguments};
 use super::folder::Folder;
+use super::loudness::searched;
 use super::robustness::{self, Scatter};
 use super::{prepared, prepared_again};
+use after::{After, Changed};
 use amontons::Error;
 use amontons::scene::Scene;
 use amontons::simulation::at_instant;
@@ -30,19 +36,26 @@ use amontons_analysis::robustness::{
 };
 use amontons_analysis::stability::{Linearised, modes};
 use amontons_analysis::study::loudness::{
-    Loudness, LoudnessQuestion, MeasuredPoint, Ways, loudness, measured_points, ways,
+    Loudness, LoudnessQuestion, Ways, loudness, measured_points,
 };
 use amontons_analysis::study::{Journal, ObservationSettings, Push, Watch};
+use amontons_cli::interrupt::{self, Interrupted};
+use amontons_cli::progress::Progress;
 use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
+use amontons_cli::words::four;
 use amontons_pictures::report::{self, Page};
 use assumptions::{Assumptions, Plan};
+use changes::Change;
 use clap::Args;
 use serde_json::json;
 use sliding::Sliding;
 
 /// The largest number of candidates that are pushed, as `study loudness` has it.
 const CANDIDATES: usize = 20;
+
+/// Parts of the work: motions, draws, and what follows changes.
+const PARTS: [[f64; 2]; 3] = [[0.0, 0.6], [0.6, 0.8], [0.8, 1.0]];
 
 #[derive(Args)]
 pub struct ReportArguments {
@@ -73,7 +86,8 @@ struct Report<'a> {
     plan: Plan,
     sliding: Sliding,
     loudness: Result<Loud, String>,
-    robustness: Both,
+    robustness: Result<Both, String>,
+    after: After,
 }
 
 /// Loudness, and the starts that it was found from.
@@ -91,22 +105,30 @@ struct Motions {
 }
 
 impl Motions {
-    /// Refused for a scene with signals or without an equilibrium: the reason.
-    fn of(scene: &Scene) -> Result<Self, String> {
+    /// Refused for a scene with signals or without an equilibrium: the inner error is the reason.
+    ///
+    /// # Errors
+    /// Returns [`Interrupted`] if the user ends the search for candidates.
+    fn of(scene: &Scene) -> Result<Result<Self, String>, Interrupted> {
         if !scene.signals.is_empty() {
-            return Err(format!(
+            return Ok(Err(format!(
                 "{} has signals, and loudness is that of motions which start from uniform sliding under a constant drive",
                 scene.name
-            ));
+            )));
         }
         let mut scene = scene.clone();
         scene.rest();
-        let found = || -> Result<(Ways, Vec<MeasuredPoint>), Error> {
-            Ok((ways(&scene, CANDIDATES, Watch::IDLE)?, measured_points(&scene, &[])?))
+        let points = match measured_points(&scene, &[]) {
+            Ok(points) => points,
+            Err(error) => return Ok(Err(error.to_string())),
         };
-        let (ways, points) = found().map_err(|error| error.to_string())?;
+        let ways = match searched(&scene, CANDIDATES) {
+            Ok(ways) => ways,
+            Err(error) if error.is::<Interrupted>() => return Err(Interrupted),
+            Err(error) => return Ok(Err(error.to_string())),
+        };
         let push = Push::of(&scene).velocity;
-        Ok(Self { scene, ways, question: LoudnessQuestion { push, points } })
+        Ok(Ok(Self { scene, ways, question: LoudnessQuestion { push, points } }))
     }
 
     fn found(
@@ -142,7 +164,7 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
     check_size(FEWEST_SCRAMBLINGS, plan.points)?;
     robustness::tell_notes(common, &scene, &parameters);
     let velocity = scatter.pushes.as_ref().map(push_velocity).transpose()?;
-    let motions = Motions::of(&scene);
+    let motions = Motions::of(&scene)?;
     let described: Vec<_> = parameters.iter().map(Parameter::described).collect();
     let settings = json!({
         "look": observation,
@@ -152,6 +174,13 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
         "indices": plan.has_indices,
         "pushes": scatter.described(common, options),
     });
+    // Without pieces in the journal: it takes seconds, and its changes are pieces of what follows.
+    let bar = Progress::in_uneven_parts("uniform sliding");
+    let scene_of_thread = still.clone();
+    let sliding = interrupt::left_behind(bar, move |watch| Sliding::of(&scene_of_thread, watch));
+    let Some(sliding) = sliding.transpose()?.flatten() else {
+        return Err(Box::new(Interrupted));
+    };
     let mut folder = Folder::open_shared(common, *shared, "report", (&scene, &source), settings)?;
     let design = Design {
         scene: &still,
@@ -173,24 +202,37 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
         name: "run",
     });
     let found = folder.found(|journal, watch| {
-        // Workers share the pieces of both parts in one round.
-        let half = |from: f64| move |part: f64| (watch.progress)(from + 0.5 * part);
-        let (first, second) = (half(0.0), half(0.5));
+        // Workers share the pieces of all parts in one round, but those of a motion after a change.
+        let part =
+            |[from, to]: [f64; 2]| move |part: f64| (watch.progress)(from + (to - from) * part);
+        let [first, second, third] = PARTS.map(part);
+        let [first, second, third] = [
+            Watch { progress: &first, ..watch },
+            Watch { progress: &second, ..watch },
+            Watch { progress: &third, ..watch },
+        ];
         let loud = match &motions {
-            Ok(motions) => {
-                motions.found(&observation, journal, Watch { progress: &first, ..watch })?.map(Some)
-            }
-            Err(_) => Some(None),
+            Ok(motions) => known(motions.found(&observation, journal, first), watch)?,
+            Err(reason) => Some(Err(reason.clone())),
         };
-        let second = Watch { progress: &second, ..watch };
-        let robust = both(&design, None, pushes.as_ref(), journal, second)?;
-        Ok(loud.zip(robust))
+        let robust = known(both(&design, None, pushes.as_ref(), journal, second), watch)?;
+        let changed = Changed {
+            scene: &scene,
+            still: &still,
+            changes: changes(&sliding),
+            given: &scatter.uncertain,
+            plan,
+            seed: scatter.seed,
+            motions: motions.as_ref().ok().filter(|_| !matches!(loud, Some(Err(_)))),
+            observation: &observation,
+        };
+        let known_loud = loud.as_ref().and_then(|loud| loud.as_ref().ok());
+        let after = changed.found(known_loud, journal, third)?;
+        Ok(loud.zip(robust).zip(after))
     })?;
-    let Some((loud, robustness)) = found else { return Ok(()) };
-    let loudness = motions.map(|Motions { ways, question, .. }| Loud {
-        ways,
-        push: question.push,
-        found: loud.expect("motions that can be followed were followed"),
+    let Some(((loud, robustness), after)) = found else { return Ok(()) };
+    let loudness = motions.and_then(|Motions { ways, question, .. }| {
+        Ok(Loud { ways, push: question.push, found: loud? })
     });
     let report = Report {
         arguments,
@@ -200,9 +242,10 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
         assumptions: &assumptions,
         parameters: &parameters,
         plan,
-        sliding: Sliding::of(&still)?,
+        sliding,
         loudness,
         robustness,
+        after,
     };
     let page = report.page();
     folder.write_csv(&rows::HEAD, rows::rows(&report))?;
@@ -217,7 +260,41 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Box<dyn std::error::Error>
     Ok(())
 }
 
+/// The result of a part of the study, or the reason why it is unknown: a part that fails is told in its place, and the others stay.
+/// `None` if the watch ended it, or if pieces of other workers are missing.
+///
+/// # Errors
+/// Returns the error of a file that cannot be written.
+fn known<T>(
+    found: Result<Option<T>, Error>,
+    watch: Watch<'_>,
+) -> Result<Option<Result<T, String>>, Error> {
+    match found {
+        Ok(found) => Ok(found.map(Ok)),
+        Err(error) if error.is_file() => Err(error),
+        Err(_) if watch.is_over() => Ok(None),
+        Err(error) => Ok(Some(Err(error.to_string()))),
+    }
+}
+
+/// The changes that were computed anew.
+fn changes(sliding: &Sliding) -> &[Change] {
+    let changes = sliding.found.as_ref().ok().and_then(|found| found.changes.as_ref().ok());
+    changes.map_or(&[], Vec::as_slice)
+}
+
+/// A number to four digits, with a minus sign that is one.
+fn number(value: f64) -> String {
+    // Powers of ten keep the sign of command lines.
+    if value < 0.0 { format!("−{}", four(-value)) } else { four(value) }
+}
+
 impl Report<'_> {
+    /// The probabilities, where they are known.
+    fn probabilities(&self) -> Option<&Both> {
+        self.robustness.as_ref().ok()
+    }
+
     fn page(&self) -> Page {
         let scene = self.scene;
         let mut lead = Vec::new();
@@ -247,8 +324,10 @@ impl Report<'_> {
             "loudness": loudness,
             "loudness_unknown": unknown,
             "points": self.plan.points,
-            "robustness": self.robustness.eigenvalues,
-            "runs": self.robustness.runs,
+            "robustness": self.probabilities().map(|both| &both.eigenvalues),
+            "runs": self.probabilities().map(|both| &both.runs),
+            "robustness_unknown": self.robustness.as_ref().err(),
+            "after_changes": self.after,
         })
     }
 }

@@ -21,7 +21,7 @@ pub fn rows(report: &Report<'_>) -> Vec<[String; 5]> {
             plain(&format!("mode {number}: frequency"), mode.frequency_hz(), "Hz");
             plain(&format!("mode {number}: growth rate"), mode.growth_rate(), "1/s");
         }
-        for change in &found.changes {
+        for change in found.changes.iter().flatten() {
             if let Some(rate) = change.computed {
                 plain(&format!("largest growth rate with {}", change.name()), rate, "1/s");
             }
@@ -54,12 +54,18 @@ pub fn rows(report: &Report<'_>) -> Vec<[String; 5]> {
         let [value, low, high] = [value, low, high].map(|value| format!("{value:?}"));
         rows.push([quoted(quantity), value, low, high, quoted("1")]);
     };
-    if let Some(found) = &report.robustness.eigenvalues {
+    for (place, unstable) in &report.after.unstable {
+        if let Ok(found) = unstable {
+            let name = super::changes(&report.sliding)[*place].name();
+            estimate(&format!("P(unstable) with {name}"), *found);
+        }
+    }
+    if let Some(found) = report.probabilities().and_then(|both| both.eigenvalues.as_ref()) {
         for (name, probability) in probabilities(found) {
             estimate(&name, probability);
         }
     }
-    if let Some(runs) = &report.robustness.runs {
+    if let Some(runs) = report.probabilities().and_then(|both| both.runs.as_ref()) {
         estimate("P(squeals)", runs.probability);
     }
     rows

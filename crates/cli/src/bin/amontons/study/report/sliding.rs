@@ -1,6 +1,7 @@
 //! Uniform sliding: its modes, its modes over µ, and the derivatives of those that grow.
 
 use super::changes::{Change, Onset, changes};
+use super::numbers::numbers;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::decimal::to_significant;
@@ -8,11 +9,11 @@ use amontons::scene::Scene;
 use amontons_analysis::assign::{FRICTION, assign};
 use amontons_analysis::patterns::in_words;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
-use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, is_neutral, locus};
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, Root, is_neutral, locus};
 use amontons_analysis::stability::{
-    CriticalFriction, Linearised, Mode, Modes, Sensitivities, critical_friction, modes,
-    sensitivities,
+    CriticalFriction, Linearised, Mode, Modes, Sensitivities, critical_at, modes, sensitivities,
 };
+use amontons_analysis::watch::Watch;
 use serde_json::{Value, json};
 
 /// Number of steps of a locus; a critical µ is located between two of its values.
@@ -23,6 +24,8 @@ const BEYOND: f64 = 1.5;
 const MOST_FOLLOWED: usize = 200;
 /// The most modes that are followed over µ for each change of a parameter.
 const MOST_CHANGED: usize = 40;
+/// Parts of the work up to the ends of the derivatives and of the modes over µ.
+const ENDS: [f64; 2] = [0.1, 0.4];
 /// Modes whose frequencies are this near, in parts of themselves, belong to the bounds that were asked for.
 const ROUNDING: f64 = 1e-9;
 
@@ -40,13 +43,15 @@ pub struct Found {
     pub modes: Modes,
     /// The modes that grow, or the least stable one, with their derivatives.
     pub sensitivities: Result<Sensitivities, String>,
-    /// Changes of the most effective parameters.
-    pub changes: Vec<Change>,
+    /// Changes of the most effective parameters, or the reason why they are unknown.
+    pub changes: Result<Vec<Change>, String>,
 }
 
 /// The modes over the common µ.
 pub struct OverFriction {
     pub locus: Locus,
+    /// The number of each branch: that of its mode at the scene's µ.
+    pub numbers: Vec<usize>,
     pub critical: Vec<CriticalFriction>,
     /// The scene's µ.
     own: f64,
@@ -88,12 +93,25 @@ impl OverFriction {
         Growth::over(&self.locus, self.own)
     }
 
+    /// The eigenvalue of each branch at the scene's µ, between those of the two values beside it, 1/s.
+    fn own_roots(&self) -> Vec<nalgebra::Complex<f64>> {
+        let values = &self.locus.values;
+        let after = values.partition_point(|value| *value < self.own).clamp(1, values.len() - 1);
+        let part = (self.own - values[after - 1]) / (values[after] - values[after - 1]);
+        let at = |branch: &Vec<Root>| {
+            let [from, to] = [branch[after - 1].lambda, branch[after].lambda];
+            from + (to - from) * part
+        };
+        self.locus.branches.iter().map(at).collect()
+    }
+
     /// The µ at which growth of a changed scene begins, in the same range.
-    fn onset(&self, scene: &Scene, states: &[ContactState]) -> Onset {
+    fn onset(&self, scene: &Scene, states: &[ContactState], watch: Watch<'_>) -> Onset {
         if self.locus.branches.len() > MOST_CHANGED {
             return Onset::NotSought;
         }
         let here = |value: f64| {
+            watch.check()?;
             let mut scene = scene.clone();
             assign(&mut scene, FRICTION, value)?;
             Ok(Linearised::of(&scene))
@@ -153,24 +171,34 @@ impl Growth {
 }
 
 impl Sliding {
+    /// `None` if the watch ended the work.
+    ///
     /// # Errors
     /// Returns an error if no surface moves.
-    pub fn of(scene: &Scene) -> Result<Self, Error> {
+    pub fn of(scene: &Scene, watch: Watch<'_>) -> Result<Option<Self>, Error> {
         let here = Linearised::of(scene);
         let states = here.uniform_sliding()?;
         let words = |error: Error| error.to_string();
-        let over_friction = over_friction(scene, &states);
-        let mut found = found(&here, &states).map_err(words);
-        if let Ok(found) = &mut found
-            && let Ok(sensitivities) = &found.sensitivities
-        {
-            let over = over_friction.as_ref().ok();
-            let next = over.filter(|_| !found.modes.unstable()).and_then(|over| over.next());
-            let onset =
-                |scene: &Scene| over.map_or(Onset::NotSought, |over| over.onset(scene, &states));
-            found.changes = changes(scene, sensitivities, next, &onset)?;
+        let mut found = found(&here, &states, watch).map_err(words);
+        if watch.ends_after(ENDS[0]) {
+            return Ok(None);
         }
-        Ok(Self { state: in_words(&states, scene), found, over_friction })
+        let mut over_friction = over_friction(scene, &states, watch);
+        if watch.ends_after(ENDS[1]) {
+            return Ok(None);
+        }
+        if let Ok(found) = &mut found {
+            if let Ok(over) = &mut over_friction {
+                let own: Vec<_> = found.modes.all().map(|mode| mode.eigenvalue).collect();
+                over.numbers = numbers(&over.own_roots(), &own);
+            }
+            found.changes = changed(scene, &states, found, over_friction.as_ref().ok(), watch);
+        }
+        Ok((!watch.is_over()).then(|| Self {
+            state: in_words(&states, scene),
+            found,
+            over_friction,
+        }))
     }
 
     pub fn as_json(&self) -> Value {
@@ -198,15 +226,32 @@ impl Sliding {
             "modes": found.map(|found| found.numbered().map(mode).collect::<Vec<Value>>()).ok(),
             "unknown": found.err(),
             "critical": critical.ok(),
-            "changes": found.map(|found| &found.changes).ok(),
+            "changes": found.ok().and_then(|found| found.changes.as_ref().ok()),
+            "changes_unknown": found.ok().and_then(|found| found.changes.as_ref().err()),
         })
     }
 }
 
-fn found(here: &Linearised, states: &[ContactState]) -> Result<Found, Error> {
+/// Changes of the most effective parameters, with their progress.
+fn changed(
+    scene: &Scene,
+    states: &[ContactState],
+    found: &Found,
+    over: Option<&OverFriction>,
+    watch: Watch<'_>,
+) -> Result<Vec<Change>, String> {
+    let sensitivities = found.sensitivities.as_ref().map_err(String::clone)?;
+    let next = over.filter(|_| !found.modes.unstable()).and_then(OverFriction::next);
+    let onset = |scene: &Scene| over.map_or(Onset::NotSought, |it| it.onset(scene, states, watch));
+    let progress = |part: f64| (watch.progress)(ENDS[1] + (1.0 - ENDS[1]) * part);
+    changes(scene, sensitivities, next, &onset, Watch { progress: &progress, ..watch })
+}
+
+fn found(here: &Linearised, states: &[ContactState], watch: Watch<'_>) -> Result<Found, Error> {
     here.equilibrium()?;
     let modes = modes(here.linear()?, states)?;
-    let mut found = Found { modes, sensitivities: Err(String::new()), changes: Vec::new() };
+    let unknown = || Err(String::new());
+    let mut found = Found { modes, sensitivities: unknown(), changes: Err(String::new()) };
     let leading = found.leading().ok_or_else(|| {
         Error::analysis("no motion is possible in uniform sliding, so it has no modes")
     })?;
@@ -216,13 +261,18 @@ fn found(here: &Linearised, states: &[ContactState]) -> Result<Found, Error> {
     };
     let [low, high] = amontons::numerics::range(of);
     let bounds = [low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)];
-    let sensitivities = sensitivities(here, states, bounds, &|_, _| {});
+    let done = |done: usize, all: usize| (watch.progress)(ENDS[0] * share(done, all));
+    let sensitivities = sensitivities(here, states, bounds, &done);
     found.sensitivities = sensitivities.map_err(|error| error.to_string());
     Ok(found)
 }
 
 /// The modes from µ = 0 to one and a half times the scene's µ, or as far as uniform sliding has an equilibrium.
-fn over_friction(scene: &Scene, states: &[ContactState]) -> Result<OverFriction, String> {
+fn over_friction(
+    scene: &Scene,
+    states: &[ContactState],
+    watch: Watch<'_>,
+) -> Result<OverFriction, String> {
     if !scene.has_common_friction() {
         return Err(
             "no contact has the common friction coefficient, so that there is no single µ to vary"
@@ -239,6 +289,7 @@ fn over_friction(scene: &Scene, states: &[ContactState]) -> Result<OverFriction,
     // A round number is one that a command line can have.
     let last = if own == 0.0 { 1.0 } else { to_significant(BEYOND * own, 12) };
     let with = |value: f64| {
+        watch.check()?;
         let mut scene = scene.clone();
         assign(&mut scene, FRICTION, value)?;
         scene.check()?;
@@ -256,10 +307,19 @@ fn over_friction(scene: &Scene, states: &[ContactState]) -> Result<OverFriction,
     }
     let words = |error: Error| format!("the modes cannot be followed over µ: {error}");
     let values = values(from, to);
-    let locus = locus(&here, states, &values, ALL_FREQUENCIES, &|_, _| {}).map_err(words)?;
-    let critical = critical_friction(scene, states, [from, to], ALL_FREQUENCIES, &|_, _| {});
-    let critical = critical.map_err(words)?;
-    Ok(OverFriction { locus, critical, own, end: to, is_cut: to < last })
+    let done = |done: usize, all: usize| {
+        (watch.progress)(ENDS[0] + (ENDS[1] - ENDS[0]) * share(done, all));
+    };
+    let locus = locus(&here, states, &values, ALL_FREQUENCIES, &done).map_err(words)?;
+    let critical = critical_at(scene, states, &locus.crossings).map_err(words)?;
+    let numbers = (1..=locus.branches.len()).collect();
+    Ok(OverFriction { locus, numbers, critical, own, end: to, is_cut: to < last })
+}
+
+/// A number of pieces as a part of all.
+#[allow(clippy::cast_precision_loss)]
+fn share(done: usize, all: usize) -> f64 {
+    done as f64 / all.max(1) as f64
 }
 
 /// Values of µ as a critical µ is sought among.

@@ -1,8 +1,8 @@
 //! The limits of the page, and the commands that give the same numbers.
 
 use super::super::Report;
+use super::super::number as four;
 use amontons_analysis::study::loudness::Unexamined;
-use amontons_cli::words::four;
 use amontons_pictures::report::Section;
 
 pub fn section(report: &Report<'_>) -> Section {
@@ -42,14 +42,15 @@ fn points(report: &Report<'_>) -> Vec<String> {
             None => {}
         }
     }
-    if report.robustness.eigenvalues.is_some() {
+    let [has_draws, has_runs] = has(report);
+    if has_draws {
         points.push(
             "Probabilities are those of growing modes of uniform sliding in draws that are independent of each other. Parts of one \
              batch, which vary together, are not."
                 .to_owned(),
         );
     }
-    if report.robustness.runs.is_none() {
+    if !has_runs {
         points.push(
             "The probability that a push makes the scene squeal was not computed: --pushes 'uniform(0,0.1)' does that.".to_owned(),
         );
@@ -60,11 +61,25 @@ fn points(report: &Report<'_>) -> Vec<String> {
     points
 }
 
+/// `true` if there are probabilities from eigenvalues, and if there are some from runs.
+fn has(report: &Report<'_>) -> [bool; 2] {
+    let both = report.probabilities();
+    [
+        both.is_some_and(|both| both.eigenvalues.is_some()),
+        both.is_some_and(|both| both.runs.is_some()),
+    ]
+}
+
+/// The scene as a command line has it, with its changed values.
+pub fn scene_words(report: &Report<'_>) -> String {
+    let common = &report.arguments.common;
+    let set = common.set.iter().map(|(name, value)| format!(" --set '{name}={value}'"));
+    quoted(&common.scene) + &set.collect::<String>()
+}
+
 fn commands(report: &Report<'_>) -> Vec<String> {
     let common = &report.arguments.common;
-    let set: String =
-        common.set.iter().map(|(name, value)| format!(" --set '{name}={value}'")).collect();
-    let scene = quoted(&common.scene) + &set;
+    let scene = scene_words(report);
     let mut look = report.arguments.options.words();
     look += &common.integrator.words();
     let mut all = vec![format!("amontons-stability states {scene}")];
@@ -88,7 +103,7 @@ fn commands(report: &Report<'_>) -> Vec<String> {
         all.push(format!("amontons study loudness {scene}{look}"));
     }
     let scatter = &report.arguments.scatter;
-    if report.robustness.eigenvalues.is_some() || report.robustness.runs.is_some() {
+    if has(report).contains(&true) {
         let pushes = scatter.pushes.as_ref();
         let pushes = pushes.map_or_else(String::new, |pushes| {
             format!(" --pushes '{pushes}' --runs {}{look}", scatter.runs)

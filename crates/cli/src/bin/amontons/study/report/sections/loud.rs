@@ -50,7 +50,8 @@ pub fn section(report: &Report<'_>) -> Section {
             .to_owned(),
     );
     section.text.extend(found.findings.iter().map(|said| sentence(said)));
-    let row = |row: &_| words::cells(row, found).map(|text| cell(text, false)).to_vec();
+    let typeset = |text: String| if text == "-" { "–".to_owned() } else { text };
+    let row = |row: &_| words::cells(row, found).map(|text| cell(typeset(text), false)).to_vec();
     let rows: Vec<Vec<Cell>> = found.rows.iter().map(row).collect();
     section.key_tables.push(table(CAPTION, &HEAD, rows));
     for (place, motion) in found.motions.iter().enumerate() {

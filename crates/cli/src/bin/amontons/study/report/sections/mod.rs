@@ -16,6 +16,8 @@ mod probable;
 mod scene;
 mod squeal;
 
+use limits::scene_words;
+
 pub use change::HEADING as CHANGE;
 pub use loud::HEADING as LOUD;
 pub use probable::HEADING as PROBABLE;

@@ -22,6 +22,13 @@ pub fn section(report: &Report<'_>) -> Section {
         (false, _) => "Parameters scatter as the command of this report says. Probabilities below hold for this scatter alone."
             .to_owned(),
     });
+    if assumptions.is_together && !assumptions.is_friction_alone {
+        section.text.push(format!(
+            "There are more values than can scatter each by itself. All values of one kind, such as all masses, change by the same part of \
+             themselves here: {} draws in place of one for each value. Values that scatter independently may give other probabilities.",
+            report.parameters.len()
+        ));
+    }
     if assumptions.is_friction_alone {
         section.text.push(
             "There are more masses and stiffnesses than can scatter at once, so friction alone scatters here.".to_owned(),
@@ -33,7 +40,14 @@ pub fn section(report: &Report<'_>) -> Section {
     if !report.parameters.is_empty() {
         section.key_tables.push(scatter(report));
     }
-    if let Some(found) = &report.robustness.eigenvalues {
+    let both = match &report.robustness {
+        Ok(both) => both,
+        Err(reason) => {
+            section.text.push(format!("Probabilities are not known: {reason}."));
+            return section;
+        }
+    };
+    if let Some(found) = &both.eigenvalues {
         section.text.push(format!(
             "Each of {} draws has eigenvalues of its own. A draw is unstable if a mode of its uniform sliding grows.",
             found.draws
@@ -82,7 +96,7 @@ pub fn section(report: &Report<'_>) -> Section {
             );
         }
     }
-    if let Some(runs) = &report.robustness.runs {
+    if let Some(runs) = &both.runs {
         let pushes = report.arguments.scatter.pushes.as_ref();
         section.text.push(format!(
             "{} start with a push of {} m/s in a random direction: P(squeals) = {}.",
@@ -104,13 +118,13 @@ pub fn section(report: &Report<'_>) -> Section {
 /// The parameters that scatter, as they were given.
 fn scatter(report: &Report<'_>) -> Table {
     let rows = report.assumptions.uncertain.iter().map(|uncertain| {
-        let Uncertain { name, distribution } = uncertain;
+        let Uncertain { name, .. } = uncertain;
         let of_name = || report.parameters.iter().filter(|one| uncertain.is_of(one.name()));
         let values = of_name().map(|one| one.nominal);
         let [least, most] = amontons::numerics::range(values);
         let values = if least == most { format!("{least}") } else { format!("{least} to {most}") };
         let count = of_name().count().to_string();
-        vec![name.clone().into(), distribution.to_string().into(), count.into(), values.into()]
+        vec![name.clone().into(), uncertain.written().into(), count.into(), values.into()]
     });
     let caption = "What scatters; ± is a standard deviation of a normal distribution about the scene's value, and half the width of a \
                    uniform one";

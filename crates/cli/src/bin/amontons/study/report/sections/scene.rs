@@ -26,6 +26,8 @@ pub fn section(report: &Report<'_>) -> Section {
         let forces = normal_forces(report.still, equilibrium, MOST_FORCES);
         section.text.push(format!("Normal forces in the equilibrium: {forces}."));
     }
+    let has_superelements =
+        scene.network().is_some_and(|network| !network.superelements.is_empty());
     let structure = Structure::from(scene);
     let forces: Vec<Vec<Cell>> = structure
         .forces
@@ -33,10 +35,12 @@ pub fn section(report: &Report<'_>) -> Section {
         .map(|one| vec![Cell::from(&*one.name), Cell::from(&*one.label)])
         .collect();
     if structure.masses.len() <= Structure::MOST_MASSES {
-        section.figures.push(figure(
-            "Masses, springs, dampers and contacts. The drawing is not to scale.",
-            Content::Structure(structure),
-        ));
+        let caption = if has_superelements {
+            "Masses, springs, dampers and contacts; each superelement is drawn as one mass. The drawing is not to scale."
+        } else {
+            "Masses, springs, dampers and contacts. The drawing is not to scale."
+        };
+        section.figures.push(figure(caption, Content::Structure(structure)));
     } else {
         let most = Structure::MOST_MASSES;
         section.text.push(format!("There is no drawing: it would show more than {most} masses."));
@@ -55,11 +59,15 @@ pub fn section(report: &Report<'_>) -> Section {
     let missing = effects(scene).into_iter().filter(|it| !it.is_on && !LEDGERS.contains(&it.name));
     let missing: Vec<&str> = missing.map(|effect| in_words(effect.name)).collect();
     section.points.push(format!("Effects that the scene does not use: {}.", missing.join("; ")));
-    section.points.push(
-        "The model has masses, linear springs and dampers, and rigid contacts with friction. Wear, heat, and friction that changes \
-         with temperature or time are not part of it."
-            .to_owned(),
-    );
+    let parts = if has_superelements {
+        "structures as matrices (superelements), masses, linear springs and dampers"
+    } else {
+        "masses, linear springs and dampers"
+    };
+    section.points.push(format!(
+        "The model has {parts}, and rigid contacts with friction. Wear, heat, and friction that changes with temperature or time are not \
+         part of it."
+    ));
     section
 }
 
@@ -83,7 +91,7 @@ fn values(scene: &Scene) -> Vec<Vec<Cell>> {
     let parameters = Parameters::of(scene.clone());
     let is_told = |name: &str, value: f64| {
         let last = name.rsplit('.').next().unwrap_or(name);
-        let is_load = last.starts_with('f') || last == "preload";
+        let is_load = last.starts_with('f') && last != "friction" || last == "preload";
         !["initial.", "integrator."].iter().any(|start| name.starts_with(start))
             && (value != 0.0 || !is_load)
     };

@@ -1,12 +1,13 @@
 //! Does it squeal: the modes of uniform sliding, over µ too, and candidates where none grows.
 
 use super::super::Report;
+use super::super::number as four;
 use super::super::sliding::{Found, OverFriction};
 use super::{cell, figure, sentence, table};
 use amontons_analysis::stability::Mode;
 use amontons_analysis::study::loudness::WayKind;
-use amontons_cli::words::{at_frequency, digits, four};
-use amontons_pictures::picture::{Mark, locus_chart};
+use amontons_cli::words::{at_frequency, digits};
+use amontons_pictures::picture::{Mark, numbered_locus_chart};
 use amontons_pictures::report::{Content, Section, Table};
 use std::f64::consts::TAU;
 
@@ -39,10 +40,11 @@ pub fn section(report: &Report<'_>) -> Section {
         Err(reason) => section.text.push(format!("Modes over the friction coefficient: {reason}.")),
         Ok(over) => {
             section.text.extend(turns(over));
-            let mut chart = locus_chart(
+            let mut chart = numbered_locus_chart(
                 format!("{}: modes of uniform sliding over friction", report.scene.name),
                 "friction coefficient µ".to_owned(),
-                &[(None, &over.locus)],
+                &over.locus,
+                &over.numbers,
             );
             let is_crowded = over.locus.branches.len() > NAMED;
             for series in chart.panels.iter_mut().flat_map(|panel| &mut panel.series) {
@@ -53,7 +55,8 @@ pub fn section(report: &Report<'_>) -> Section {
                 panel.marks.push(Mark { x: own, label: Some("this scene".to_owned()) });
             }
             let caption = "Growth rate (above) and frequency (below) of each mode over the friction coefficient. A mode above the zero \
-                           line grows. Marks show where one begins to grow, and where two merge.";
+                           line grows. Marks show where one begins to grow, and where two merge. Modes have the numbers of the table, which \
+                           are those at the scene's µ.";
             section.figures.push(figure(caption, Content::Chart(chart)));
         }
     }
@@ -74,7 +77,7 @@ fn modes(found: &Found) -> Table {
             format!("mode {number}"),
             format!("{:.2}", mode.frequency_hz()),
             four(mode.growth_rate()),
-            format!("{:.3} %", 100.0 * mode.damping_ratio()),
+            damping_ratio(mode),
             turn(mode).to_owned(),
         ];
         texts.map(|text| cell(text, grows)).to_vec()
@@ -85,6 +88,12 @@ fn modes(found: &Found) -> Table {
     };
     let head = ["Mode", "Frequency [Hz]", "Growth rate [1/s]", "Damping ratio", ""];
     table(caption, &head, all.into_iter().map(row).collect())
+}
+
+/// The damping ratio in per cent; a motion that neither oscillates nor decays has none.
+fn damping_ratio(mode: &Mode) -> String {
+    let ratio = 100.0 * mode.damping_ratio();
+    if ratio.is_finite() { format!("{ratio:.3} %").replace('-', "−") } else { "–".to_owned() }
 }
 
 /// `grows`, `decays`, or neither.
@@ -108,8 +117,11 @@ fn shape(report: &Report<'_>, found: &Found) -> Option<Table> {
     }
     let row = |(name, part): (&String, &nalgebra::Complex<f64>)| {
         let is_still = part.norm() < 1e-3;
-        let phase =
-            if is_still { "–".to_owned() } else { format!("{:.0}°", part.arg() / TAU * 360.0) };
+        let phase = if is_still {
+            "–".to_owned()
+        } else {
+            format!("{:.0}°", part.arg() / TAU * 360.0).replace('-', "−")
+        };
         vec![name.clone().into(), format!("{:.3}", part.norm()).into(), phase.into()]
     };
     let caption =

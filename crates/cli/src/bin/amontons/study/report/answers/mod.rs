@@ -1,25 +1,32 @@
 //! The answers at the start of the page: a few sentences, each with its numbers.
+//!
+//! | file | contents |
+//! | --- | --- |
+//! | `change` | the answer on changes, and what follows from them |
+
+mod change;
+
+pub use change::unstable_after;
 
 use super::Report;
-use super::changes::{Change, Onset};
+use super::number as four;
 use super::sections::{self, sentence};
-use super::sliding::{Found, Growth, OverFriction};
-use amontons_analysis::robustness::Estimate;
+use super::sliding::{Found, Growth};
+use amontons_analysis::robustness::{Estimate, Index, Parameter};
 use amontons_analysis::stability::locus::is_neutral;
 use amontons_analysis::stability::{CriticalFriction, Mode};
 use amontons_analysis::study::loudness::{Attempt, FoundMotion, Loudness, Measured};
 use amontons_analysis::study::{Kind, LongTermMotion};
 use amontons_cli::words::robustness as words;
-use amontons_cli::words::{at_frequency, digits, four};
+use amontons_cli::words::{at_frequency, digits};
 use amontons_export::documentation::counted;
 use amontons_pictures::picture::prefixed;
 use amontons_pictures::report::Answer;
-use std::cmp::Ordering;
 
 /// Growing modes that are named.
 const NAMED: usize = 4;
-/// Changes that are named.
-const MOST_CHANGES: usize = 3;
+/// Findings on motions that are told where none was measured.
+const MOST_FINDINGS: usize = 3;
 
 pub fn answers(report: &Report<'_>) -> Vec<Answer> {
     let answer = |question: &str, text: Vec<String>, section: &str| Answer {
@@ -31,7 +38,7 @@ pub fn answers(report: &Report<'_>) -> Vec<Answer> {
         answer(sections::SQUEAL, squeal(report), sections::SQUEAL),
         answer(sections::LOUD, loud(report), sections::LOUD),
         answer(sections::PROBABLE, probable(report), sections::PROBABLE),
-        answer(sections::CHANGE, change(report), sections::CHANGE),
+        answer(sections::CHANGE, change::change(report), sections::CHANGE),
     ]
 }
 
@@ -89,11 +96,21 @@ fn squeal(report: &Report<'_>) -> Vec<String> {
     said
 }
 
+/// The frequency of a mode, or that it has none.
+fn oscillation(mode: &Mode) -> String {
+    match (mode.frequency_hz(), mode.growth_rate()) {
+        (0.0, rate) if rate > 0.0 => "without oscillating (divergence)".to_owned(),
+        (0.0, rate) if rate < 0.0 => "without oscillating (overdamped)".to_owned(),
+        (0.0, _) => "without oscillating (a free motion)".to_owned(),
+        (frequency, _) => at_frequency(frequency),
+    }
+}
+
 fn grows(growing: &[(usize, &Mode)]) -> String {
     let one = |(number, mode): &(usize, &Mode)| {
         format!(
             "mode {number} {}, by {} 1/s (tenfold in {})",
-            at_frequency(mode.frequency_hz()),
+            oscillation(mode),
             four(mode.growth_rate()),
             prefixed(three(std::f64::consts::LN_10 / mode.growth_rate()), "s")
         )
@@ -110,7 +127,7 @@ fn grows(growing: &[(usize, &Mode)]) -> String {
 /// The answer where no mode grows: a push may lead to a motion, or none was found.
 fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
     let slowest = found.leading().map_or_else(String::new, |(number, mode)| {
-        let at = at_frequency(mode.frequency_hz());
+        let at = oscillation(mode);
         let rate = -mode.growth_rate();
         // Damping that rounding alone makes is none.
         if is_neutral(mode.eigenvalue) {
@@ -171,7 +188,7 @@ fn loud(report: &Report<'_>) -> Vec<String> {
     }
     let Some((motion, measured)) = loudest(found) else {
         let mut said: Vec<String> = found.findings.iter().map(|said| sentence(said)).collect();
-        said.truncate(MOST_CHANGES);
+        said.truncate(MOST_FINDINGS);
         if said.is_empty() {
             said.push("No motion that lasts was found.".to_owned());
         }
@@ -236,6 +253,9 @@ fn probable(report: &Report<'_>) -> Vec<String> {
     let count = report.parameters.len();
     let scatter = if report.assumptions.is_assumed {
         let parts = match report.assumptions.has() {
+            [true, true] if report.assumptions.is_together => {
+                "friction scatters by ±10 %, and masses and stiffnesses by ±5 %, all of one kind by the same part"
+            }
             [true, true] => "friction scatters by ±10 %, and each mass and stiffness by ±5 %",
             [true, false] => "friction scatters by ±10 %",
             _ => "each mass and stiffness scatters by ±5 %",
@@ -244,7 +264,11 @@ fn probable(report: &Report<'_>) -> Vec<String> {
     } else {
         format!("With the scatter given for {}", counted(count, "parameter", "parameters"))
     };
-    if let Some(found) = &report.robustness.eigenvalues {
+    let both = match &report.robustness {
+        Ok(both) => both,
+        Err(reason) => return vec![format!("Unknown: {reason}.")],
+    };
+    if let Some(found) = &both.eigenvalues {
         let Estimate { value, low, high } = found.unstable;
         let [value, low, high] = [value, low, high].map(|part| 100.0 * part);
         let probability = if value == 0.0 {
@@ -261,18 +285,10 @@ fn probable(report: &Report<'_>) -> Vec<String> {
                 100.0 * found.no_equilibrium.value
             ));
         }
-        let indices = found.of_growth.iter().flatten();
-        let largest = report.parameters.iter().zip(indices);
-        let largest = largest.max_by(|a, b| a.1.first.value.total_cmp(&b.1.first.value));
-        if let Some((parameter, index)) = largest.filter(|one| one.1.first.value > 0.0) {
-            said.push(format!(
-                "The scatter of {} matters most: if its value were known, the variance of the growth rate would be smaller by {:.0} %.",
-                parameter.name(),
-                100.0 * index.first.value.min(1.0)
-            ));
-        }
+        let indices = found.of_growth.as_deref().unwrap_or_default();
+        said.extend(matters(&report.parameters.iter().zip(indices).collect::<Vec<_>>()));
     }
-    if let Some(runs) = &report.robustness.runs {
+    if let Some(runs) = &both.runs {
         let pushes = report.arguments.scatter.pushes.as_ref();
         said.push(format!(
             "With this scatter it squeals after a random push of {} m/s with a probability of {} (95 % interval).",
@@ -286,79 +302,64 @@ fn probable(report: &Report<'_>) -> Vec<String> {
     said
 }
 
-fn change(report: &Report<'_>) -> Vec<String> {
-    let found = match &report.sliding.found {
-        Ok(found) => found,
-        Err(reason) => return vec![format!("Unknown: {reason}.")],
+/// The parameter whose scatter matters most, with its interval; the two first ones where their intervals overlap, and nothing where
+/// one of the two may not matter at all.
+fn matters(indices: &[(&Parameter, &Index)]) -> Option<String> {
+    let mut sorted = indices.to_vec();
+    sorted.sort_by(|a, b| b.1.first.value.total_cmp(&a.1.first.value));
+    let told = |(parameter, index): (&Parameter, &Index)| {
+        let [value, low, high] = [index.first.value, index.first.low, index.first.high]
+            .map(|part| 100.0 * part.clamp(0.0, 1.0));
+        format!("{} by {value:.0} % (95 % interval {low:.0} to {high:.0} %)", parameter.name())
     };
-    let large = |change: &&Change| change.is_large() && change.parameters.len() == 1;
-    let mut single: Vec<&Change> = found.changes.iter().filter(large).collect();
-    let is_stable = found.growing().is_empty();
-    // The largest growth rate tells little of changes after which no mode grows: the µ at which one begins to grow does.
-    let computed = |change: &Change| change.computed.unwrap_or(f64::INFINITY);
-    let order = |change: &Change| match change.onset {
-        onset if onset != Onset::NotSought && change.growing == 0 => {
-            [0.0, -onset.order(), computed(change)]
-        }
-        _ => [1.0, computed(change), 0.0],
-    };
-    single.sort_by(|a, b| order(a).into_iter().partial_cmp(order(b)).unwrap_or(Ordering::Equal));
-    let Some((_, leading)) = found.leading() else {
-        return vec!["Unknown: uniform sliding has no mode.".to_owned()];
-    };
-    if single.is_empty() {
-        return vec![match &found.sensitivities {
-            Ok(_) => "No change of a single parameter moves the growth rate of the leading mode."
-                .to_owned(),
-            Err(reason) => format!("Unknown: {reason}."),
-        }];
+    let first = *sorted.first().filter(|one| one.1.first.low > 0.0)?;
+    let if_known = "if its value were known, the variance of the growth rate would be smaller:";
+    match sorted.get(1).copied() {
+        Some(second) if second.1.first.high >= first.1.first.low => (second.1.first.low > 0.0)
+            .then(|| {
+                format!(
+                    "Two scatters matter most, and which of them more is open; {if_known} {}, {}.",
+                    told(first),
+                    told(second)
+                )
+            }),
+        _ => Some(format!("One scatter matters most; {if_known} {}.", told(first))),
     }
-    let now = four(leading.growth_rate());
-    let result = |change: &Change| match change.computed {
-        None => "there is no equilibrium".to_owned(),
-        Some(rate) => {
-            let grows = if change.growing == 0 { "no mode grows" } else { "a mode still grows" };
-            let growth = format!("{} 1/s, {grows}", four(rate));
-            match change.onset {
-                Onset::NotSought => growth,
-                Onset::At(onset) => {
-                    format!("{growth}; growth begins at µ = {}", digits(onset, 4))
-                }
-                Onset::Above(end) => format!("{growth} up to µ = {}", digits(end, 4)),
-            }
-        }
-    };
-    let squeals = report.loudness.as_ref().is_ok_and(|loud| least_push(&loud.found).is_some());
-    let stable = if squeals {
-        "Uniform sliding is stable as it is. Which change prevents the motion after a push is unknown; what widens the margin of uniform \
-         sliding is known."
-    } else {
-        "Nothing needs to change for uniform sliding to be stable."
-    };
-    let next = report.sliding.over_friction.as_ref().ok().and_then(OverFriction::next);
-    let mut said = vec![match (is_stable, next) {
-        (false, _) => format!(
-            "The largest growth rate is {now} 1/s. Of the changes of one parameter that were computed anew these help most:"
-        ),
-        (true, Some(next)) => format!(
-            "{stable} A mode begins to grow at µ = {}; of the changes of one parameter that were computed anew these raise \
-             this µ most:",
-            digits(next.value, 4)
-        ),
-        (true, None) => format!(
-            "{stable} The largest growth rate is {now} 1/s; of the changes that were computed anew these help most:"
-        ),
-    }];
-    let one = |change: &&Change| format!("{}: {}", change.name(), result(change));
-    said.extend(single.iter().take(MOST_CHANGES).map(one));
-    let together = found.changes.iter().find(|one| one.is_large() && one.parameters.len() > 1);
-    if let Some(change) = together {
-        said.push(format!("All at once, {}: {}.", change.name(), result(change)));
-    }
-    said
 }
 
 /// A value to three digits.
 fn three(value: f64) -> f64 {
     amontons::decimal::to_significant(value, 3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::builtin;
+    use amontons_analysis::robustness::{Uncertain, parameters};
+
+    #[test]
+    fn the_scatter_that_matters_most_is_told_with_its_interval_or_with_the_next_one() {
+        let scene = builtin("set1").unwrap().scene();
+        let uncertain = [Uncertain::parse("module[*].k6=normal(±5%)").unwrap()];
+        let both = parameters(&scene, &uncertain).unwrap();
+        let told = |first: [f64; 3], second: [f64; 3]| {
+            let index = |[value, low, high]: [f64; 3]| {
+                let estimate = Estimate { value, low, high };
+                Index { first: estimate, total: estimate }
+            };
+            let indices = [first, second].map(index);
+            matters(&both.iter().zip(&indices).collect::<Vec<_>>())
+        };
+        let apart = told([0.2, 0.15, 0.25], [0.6, 0.55, 0.65]).unwrap();
+        assert!(apart.starts_with("One scatter matters most"), "{apart}");
+        assert!(apart.contains(": module[2].k6 by 60 % (95 % interval 55 to 65 %)."), "{apart}");
+        let near = told([0.58, 0.5, 0.66], [0.6, 0.55, 0.65]).unwrap();
+        assert!(
+            near.starts_with("Two scatters matter most") && near.contains("module[1].k6 by 58 %")
+        );
+        // Neither index is known to be above zero, or the second one is not.
+        assert_eq!(told([0.1, -0.1, 0.3], [0.05, -0.1, 0.2]), None);
+        assert_eq!(told([0.1, 0.01, 0.3], [0.05, -0.1, 0.2]), None);
+    }
 }
