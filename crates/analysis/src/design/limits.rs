@@ -156,8 +156,10 @@ impl Structure<'_> {
             let here = self.model(changes, friction)?;
             let values: Vec<Complex<f64>> = places[i].iter().map(|it| it.eigenvalue).collect();
             // Shapes of modes that are about to merge may not be told apart.
-            let all = group_derivatives(&here, &self.patterns[pattern], &groups, &values)
-                .unwrap_or_else(|_| vec![None; values.len()]);
+            let may_begin = || self.watch.check();
+            let all =
+                group_derivatives(&here, &self.patterns[pattern], &groups, &values, &may_begin)
+                    .unwrap_or_else(|_| vec![None; values.len()]);
             let rows = values.iter().zip(all).map(|(value, by)| {
                 let by = match by {
                     Some(by) => by.iter().map(|by| by.re).collect(),

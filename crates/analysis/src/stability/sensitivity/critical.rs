@@ -120,7 +120,7 @@ fn derivatives_of(
     let distance = |it: &Complex<f64>| (it - wanted).norm();
     let nearest = all.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b)));
     let nearest = nearest.ok_or_else(|| Error::analysis("the contact state has no mode"))?;
-    let shaped = state.shaped(&neighbours(&all, &[nearest]), &|_, _| {})?;
+    let shaped = state.shaped(&neighbours(&all, &[nearest]), &|| Ok(()), &|_, _| {})?;
     let distance_of = |it: &&super::Shaped| (it.eigenvalue - nearest).norm();
     let one = shaped.iter().min_by(|a, b| distance_of(a).total_cmp(&distance_of(b)));
     let one = one.ok_or_else(|| Error::analysis("the shapes of a critical mode were not found"))?;

@@ -154,7 +154,8 @@ pub fn sensitivities(
     let [low, high] = frequencies;
     let is_chosen = |value: &Complex<f64>| (low..=high).contains(&(value.im / TAU));
     let chosen: Vec<Complex<f64>> = all.iter().copied().filter(is_chosen).collect();
-    let shaped = state.shaped(&neighbours(&all, &chosen), &|part, of| done(part, 2 * of))?;
+    let shaped =
+        state.shaped(&neighbours(&all, &chosen), &|| Ok(()), &|part, of| done(part, 2 * of))?;
     let of: Vec<&Shaped> = shaped.iter().filter(|one| is_chosen(&one.eigenvalue)).collect();
     let found = collect(of.len(), &|i| Ok(state.mode(of[i], &shaped, &all)), &|count| {
         done(of.len() + count, 2 * of.len());
@@ -175,12 +176,14 @@ pub fn sensitivities(
 /// them has a derivative by several parameters at once.
 ///
 /// # Errors
-/// Returns the errors of [`sensitivities`], and an error if a parameter has no derivative.
+/// Returns the errors of [`sensitivities`] and of `may_begin`, which is asked before each eigenvalue, and an error if a parameter has no
+/// derivative.
 pub(crate) fn group_derivatives(
     here: &Linearised,
     states: &[ContactState],
     groups: &[Vec<(&str, f64)>],
     eigenvalues: &[Complex<f64>],
+    may_begin: &(dyn Fn() -> Result<(), Error> + Sync),
 ) -> Result<Vec<Option<Vec<Complex<f64>>>>, Error> {
     let of = |name: &str| {
         let of_group =
@@ -199,7 +202,7 @@ pub(crate) fn group_derivatives(
             changes[place].add(factor, change);
         }
     }
-    let shaped = state.shaped(eigenvalues, &|_, _| {})?;
+    let shaped = state.shaped(eigenvalues, may_begin, &|_, _| {})?;
     let derivatives = |one: &Shaped| -> Option<Vec<Complex<f64>>> {
         changes.iter().map(|change| one.is_regular().then(|| one.mean_derivative(change))).collect()
     };
@@ -277,13 +280,15 @@ impl<'a> StateDerivatives<'a> {
         })
     }
 
-    /// Eigenvalues with their shapes; those that are equal but for rounding are one.
+    /// Eigenvalues with their shapes; those that are equal but for rounding are one. `may_begin` is asked before each, and its error ends the
+    /// work.
     fn shaped(
         &self,
         eigenvalues: &[Complex<f64>],
+        may_begin: &(dyn Fn() -> Result<(), Error> + Sync),
         done: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Vec<Shaped>, Error> {
-        let mut found = groups(&self.matrices, eigenvalues, done)?;
+        let mut found = groups(&self.matrices, eigenvalues, may_begin, done)?;
         if let Some(friction) = self.friction {
             for one in &mut found {
                 one.by_friction = one.mean_derivative(&self.changes[friction]);

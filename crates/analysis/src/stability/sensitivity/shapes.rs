@@ -33,10 +33,12 @@ pub(super) struct Shaped {
     pub(super) by_friction: Complex<f64>,
 }
 
-/// The eigenvalues with their shapes; those that are equal but for rounding are one.
+/// The eigenvalues with their shapes; those that are equal but for rounding are one. `may_begin` is asked before each, and its error ends
+/// the work.
 pub(super) fn groups(
     matrices: &Bordered,
     eigenvalues: &[Complex<f64>],
+    may_begin: &(dyn Fn() -> Result<(), Error> + Sync),
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Vec<Shaped>, Error> {
     let mut apart: Vec<(Complex<f64>, usize)> = Vec::new();
@@ -48,7 +50,10 @@ pub(super) fn groups(
             None => apart.push((value, 1)),
         }
     }
-    let shape = |i: usize| Shaped::of(matrices, apart[i].0, apart[i].1);
+    let shape = |i: usize| {
+        may_begin()?;
+        Shaped::of(matrices, apart[i].0, apart[i].1)
+    };
     let found = collect(apart.len(), &shape, &|count| done(count, apart.len()))?;
     let mut together: Vec<Vec<usize>> = Vec::new();
     for i in 0..found.len() {
