@@ -8,7 +8,7 @@ use amontons::Error;
 use amontons::numerics::middle;
 use std::f64::consts::TAU;
 
-/// Eigenvalues that whose frequencies differ by less than this part of their size from one value to the next are one mode's.
+/// Eigenvalues whose frequencies differ by less than this part of their size from one value to the next are one mode's.
 const SAME: f64 = 0.05;
 
 /// A range in which one mode grows.

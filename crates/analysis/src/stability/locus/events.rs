@@ -81,7 +81,7 @@ pub(super) fn locate_crossing(
 }
 
 /// The root at `value` of a branch that is known at two points: the nearest to the line between.
-fn on_branch(
+pub(super) fn on_branch(
     evaluate: &Evaluate<'_>,
     [low, high]: [BranchPoint; 2],
     value: f64,

@@ -4,7 +4,7 @@ use super::events::{
     BranchPoint, Located, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
 };
 use super::narrow::{Between, Point, assign};
-use super::rounding::clear;
+use super::rounding::Branch;
 use super::{Approach, Coalescence, Crossing, Root, order_of_merged};
 use crate::stability::parallel;
 use amontons::Error;
@@ -61,15 +61,23 @@ pub(super) struct FollowedRoots {
 }
 
 impl FollowedRoots {
-    /// Leaves out crossings that are rounding.
-    fn keep_clear_crossings(&mut self, trace: &[Vec<BranchPoint>]) {
+    /// Replaces changes of sign by those between growth by more than rounding and none.
+    ///
+    /// # Errors
+    /// Returns an error if the state cannot be analysed between two of them.
+    fn keep_clear_crossings(
+        &mut self,
+        evaluate: &Evaluate<'_>,
+        trace: &[Vec<BranchPoint>],
+    ) -> Result<(), Error> {
         let all = std::mem::take(&mut self.crossings);
         for (mode, trace) in trace.iter().enumerate() {
             let mut own: Vec<Crossing> =
                 all.iter().filter(|crossing| crossing.mode == mode).copied().collect();
             own.sort_by(|a, b| a.value.total_cmp(&b.value));
-            self.crossings.extend(clear(own, trace));
+            self.crossings.extend(Branch { evaluate, mode, trace }.clear(&own)?);
         }
+        Ok(())
     }
 
     fn add_crossings(&mut self, crossings: Vec<Located>) {
@@ -124,7 +132,7 @@ pub(super) fn follow(
         found.add_crossings(hidden_crossings(evaluate, watched, trace, mode)?);
     }
     if !watched.merge {
-        found.keep_clear_crossings(&trace);
+        found.keep_clear_crossings(evaluate, &trace)?;
         found.approaches = closest_approaches(evaluate, watched, &trace)?;
     }
     done();

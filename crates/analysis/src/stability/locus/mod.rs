@@ -110,7 +110,10 @@ fn damped_roots(model: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<R
     };
     let Spectrum { oscillating, real } = Spectrum::of(model, states)?;
     let pairs = oscillating.into_iter().map(|value| root([value, value.conj()]));
-    let real = real.chunks_exact(2).map(|pair| root([pair[0].into(), pair[1].into()]));
+    // A mode that does not oscillate has a fast λ and a slow one, of which the slow one may grow: no pair takes both from one half.
+    let half = real.len() / 2;
+    let (fast, slow) = (real[..half].iter(), real[half..].iter().rev());
+    let real = fast.zip(slow).map(|(&a, &b)| root([a.into(), b.into()]));
     let mut roots: Vec<Root> = pairs.chain(real).collect();
     roots.sort_by(by_number);
     Ok(roots)
@@ -123,8 +126,9 @@ fn upper([a, b]: [Complex<f64>; 2]) -> Complex<f64> {
 
 /// The order in which modes are numbered.
 fn by_number(a: &Root, b: &Root) -> Ordering {
-    let pair = !a.is_real() && a.sigma == b.sigma.conj();
-    if pair { order_of_merged(a, b) } else { a.sigma.re.total_cmp(&b.sigma.re) }
+    let by_part = a.sigma.re.total_cmp(&b.sigma.re);
+    let by_size = || a.sigma.im.abs().total_cmp(&b.sigma.im.abs());
+    by_part.then_with(by_size).then_with(|| order_of_merged(a, b))
 }
 
 /// Order of a pair that has merged: first the mode with the lower frequency or, without damping, where both have the

@@ -659,3 +659,56 @@ fn growth_that_is_rounding_begins_nowhere() {
     let [begins] = found[..] else { panic!("{found:?}") };
     assert!(begins.mode == 1 && (begins.value - 0.3).abs() < 1e-15, "{begins:?}");
 }
+
+/// The end of growth was once left out where a mode neither grows nor decays before and after it.
+#[test]
+fn growth_ends_where_a_mode_that_nothing_damps_ceases_to_grow() {
+    // Signs of rounding change from point to point, and a third mode has them over the whole range.
+    let noise = |p: f64| 1e-13 * (1e7 * p).sin();
+    let hump = |p: f64| f64::sqrt(((p - 0.3) * (0.4 - p)).max(0.0));
+    let evaluate = |p: f64| {
+        let rates = [hump(p) + noise(p), noise(p + 0.1), -1.0];
+        let lambda = [10.0, 20.0, 30.0].into_iter().zip(rates);
+        let lambda = lambda.map(|(frequency, rate)| Complex::new(rate, frequency));
+        Ok(lambda.map(|lambda| Root { sigma: -lambda * lambda, lambda }).collect())
+    };
+    let watched = Watched { frequencies: ALL_FREQUENCIES, merge: false };
+    for step in [0.05, 0.0061] {
+        let found = follow(&evaluate, &grid(1.0, step), watched, &|| {}).unwrap().crossings;
+        let [begins, ends] = &found[..] else { panic!("{found:?}") };
+        assert!(begins.becomes_unstable && !ends.becomes_unstable, "{found:?}");
+        assert!((begins.value - 0.3).abs() < 0.01 && (ends.value - 0.4).abs() < 0.01, "{found:?}");
+    }
+}
+
+/// Of two blocks that diverged, the locus once saw one: it took both of their slow eigenvalues for one mode.
+#[test]
+fn each_of_two_damped_blocks_diverges_at_its_own_friction() {
+    // A block whose spring of stiffness k lies at 45° falls over it from k (1 − µ) / 2 + k0 = 0 on.
+    let block = |name: &str, guide: f64| {
+        format!(
+            "[[mass]]\nname = \"{name}\"\nmass = 1.0\nforce = [0.0, -200.0]\n\
+             [[spring]]\nname = \"strut_{name}\"\nbetween = [\"{name}\", \"ground\"]\n\
+             direction = {}\nstiffness = 1e4\n\
+             [[spring]]\nname = \"guide_{name}\"\nbetween = [\"{name}\", \"ground\"]\n\
+             direction = \"x\"\nstiffness = {guide}\n\
+             [[damper]]\nname = \"damper_{name}\"\nbetween = [\"{name}\", \"ground\"]\n\
+             direction = \"x\"\ndamping = 1.0\n[[contact]]\nname = \"pad_{name}\"\nmass = \"{name}\"\n",
+            std::f64::consts::FRAC_PI_4
+        )
+    };
+    let text = format!(
+        "slider = {{ velocity = 0.1, angle = 0.0 }}\nfriction = {{ coefficient = 0.3 }}\n\
+         integrator = {{ step = 1e-6 }}\n{}{}",
+        block("a", 1000.0),
+        block("b", 3000.0)
+    );
+    let model = LumpedModel::from(&amontons::scene::parse("two blocks", &text).unwrap());
+    for step in [0.5, 0.01] {
+        let found = over_friction(&model, &grid(3.0, step)).crossings;
+        let begins: Vec<f64> = found.iter().map(|it| it.value).collect();
+        let [first, second] = begins[..] else { panic!("{found:?}") };
+        assert!((first - 1.2).abs() < 1e-9 && (second - 1.6).abs() < 1e-9, "{found:?}");
+        assert!(found.iter().all(|it| it.becomes_unstable && it.frequency_hz == 0.0));
+    }
+}

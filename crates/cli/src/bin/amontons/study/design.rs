@@ -93,6 +93,8 @@ pub fn run(arguments: &DesignArguments) -> Result<(), Box<dyn std::error::Error>
         "vary": ready.varied,
         "friction": asked.friction,
         "states": ready.states(),
+        // An equilibrium in this state is asked for only where no state is named.
+        "uniform": asked.states.is_empty(),
         "margin": ready.margin,
         "starts": asked.starts,
         "seed": asked.seed,
