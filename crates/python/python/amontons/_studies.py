@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from math import isfinite
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 from . import _core
@@ -520,6 +520,8 @@ def _number(value: Any, name: str) -> float:
         number = float(value)
     except (TypeError, ValueError):
         raise ArgumentError(f"{name} = {value!r} is impossible; give a number") from None
+    except OverflowError:  # an integer that no floating-point number is near
+        number = inf
     if not isfinite(number):
         raise ArgumentError(f"{name} = {value!r} is impossible; give a finite number")
     return number

@@ -12,22 +12,22 @@ use amontons_analysis::robustness::{
 use amontons_analysis::study::loudness::{Loudness, Row, Ways, loudness};
 use amontons_analysis::study::{Journal, Kind, LongTermMotion, ObservationSettings, Watch};
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Part of the work of draws, beside which one motion is followed.
 const DRAWS: f64 = 0.5;
 
 /// The scene after changes.
-#[derive(Default, Serialize)]
+#[derive(Default)]
 pub struct After {
     /// Places of changes with the probability that the changed scene is unstable under the same scatter, or the reason why it is
     /// unknown.
     pub unstable: Vec<(usize, Result<Estimate, String>)>,
-    /// The motion after the change that helps most; `None` if no motion was measured before.
+    /// The motion after the change that helps most; `None` if none helps, or no motion was measured before.
     pub motion: Option<ChangedMotion>,
 }
 
 /// The motion from the start that led to the loudest one.
-#[derive(Serialize)]
 pub struct ChangedMotion {
     /// Name of the start.
     pub start: String,
@@ -47,6 +47,29 @@ pub enum Outcome {
     Rests,
     /// It lasts, with this speed of its fastest point, m/s rms.
     Lasts(f64),
+}
+
+impl After {
+    /// What is unknown is null, with the reason beside it.
+    pub fn as_json(&self) -> Value {
+        let unstable = self.unstable.iter().map(|(change, found)| {
+            json!({
+                "change": change,
+                "probability": found.as_ref().ok(),
+                "unknown": found.as_ref().err(),
+            })
+        });
+        let motion = self.motion.as_ref().map(|motion| {
+            json!({
+                "start": motion.start,
+                "change": motion.change,
+                "before": motion.before,
+                "after": motion.after.as_ref().ok(),
+                "unknown": motion.after.as_ref().err(),
+            })
+        });
+        json!({ "unstable": unstable.collect::<Vec<Value>>(), "motion": motion })
+    }
 }
 
 /// All that changed scenes are analysed with.

@@ -12,6 +12,8 @@ use amontons_analysis::robustness::{Distribution, FEWEST_SCRAMBLINGS, Uncertain,
 /// Standard deviations that are assumed, in parts of the scene's values.
 const OF_FRICTION: f64 = 0.10;
 const OF_OTHERS: f64 = 0.05;
+/// Static friction in parts of kinetic friction that no draw reaches: ten standard deviations away.
+const ROOM: f64 = 1.0 + 10.0 * OF_FRICTION;
 /// More parameters cannot scatter.
 const MOST: usize = 128;
 /// Names of masses and stiffnesses in the catalogue of variables.
@@ -78,6 +80,12 @@ impl Assumptions {
         [true, false].map(|wanted| self.uncertain.iter().any(|one| is_friction(one) == wanted))
     }
 
+    /// `true` if values of one kind scatter together, but friction of several contacts does not.
+    pub fn has_friction_apart(&self) -> bool {
+        let is_apart = |one: &&Uncertain| !one.is_together && one.name.ends_with(".friction");
+        self.is_together && self.uncertain.iter().filter(is_apart).count() > 1
+    }
+
     /// The options of the command line that say the same.
     pub fn options(&self) -> String {
         let one = |one: &Uncertain| format!(" --uncertain '{}={}'", one.name, one.written());
@@ -91,7 +99,8 @@ fn count(scene: &Scene, uncertain: &[Uncertain]) -> usize {
     uncertain.iter().map(|it| one(it).unwrap_or(MOST + 1)).sum()
 }
 
-/// The common µ and those of contacts, each below its static friction. Together those of contacts are one, if they can be.
+/// The common µ and those of contacts, each below its static friction. Together those of contacts are one, if they can be: a
+/// distribution has bounds for equal values only, and others need room for all draws.
 fn of_friction(scene: &Scene, is_together: bool) -> Result<Vec<Uncertain>, Error> {
     let scattering = |name: String, value: f64, most: Option<f64>| {
         if value <= 0.0 || require_undriven(scene, &name).is_err() {
@@ -115,16 +124,26 @@ fn of_friction(scene: &Scene, is_together: bool) -> Result<Vec<Uncertain>, Error
         scattering(name, contact.friction?, contact.static_friction).transpose()
     };
     let own = contacts.iter().filter_map(of_contact).collect::<Result<Vec<_>, Error>>()?;
-    let all_contacts = Uncertain {
-        name: "contact.*.friction".to_owned(),
-        distribution: distribution(&relative(OF_FRICTION))?,
-        is_together: true,
+    let values: Vec<f64> = contacts.iter().filter_map(|contact| contact.friction).collect();
+    let bounded = contacts.iter().filter_map(|it| Some((it.friction?, it.static_friction?)));
+    let bounded: Vec<(f64, f64)> = bounded.collect();
+    let has_room = bounded.iter().all(|(own, most)| *most >= ROOM * own);
+    let text = match values[..] {
+        [value, ..] if !has_room && values.iter().all(|other| *other == value) => {
+            let most = bounded.iter().map(|it| it.1).fold(f64::INFINITY, f64::min);
+            Some(format!("normal({value},{},0:{most})", OF_FRICTION * value))
+        }
+        _ => has_room.then(|| relative(OF_FRICTION)),
     };
+    let of_all = |text: String| {
+        let (name, distribution) = ("contact.*.friction".to_owned(), distribution(&text)?);
+        Ok::<_, Error>(Uncertain { name, distribution, is_together: true })
+    };
+    let all_contacts = text.map(of_all).transpose()?;
     let is_one = |it: &Uncertain| parameters(scene, std::slice::from_ref(it)).is_ok();
-    if is_together && own.len() > 1 && is_one(&all_contacts) {
-        all.push(all_contacts);
-    } else {
-        all.extend(own);
+    match all_contacts.filter(|it| is_together && own.len() > 1 && is_one(it)) {
+        Some(together) => all.push(together),
+        None => all.extend(own),
     }
     Ok(all)
 }
@@ -272,20 +291,24 @@ mod tests {
         assert_eq!(parameters(&scene, &assumed.uncertain).unwrap().len(), names.len());
     }
 
-    /// With a draw of each there would be more than a Sobol sequence has dimensions.
-    #[test]
-    #[allow(clippy::cast_precision_loss)]
-    fn many_contacts_with_friction_of_their_own_scatter_together() {
-        let part = |i: usize| {
+    /// Blocks with friction coefficients of their own, with what else each contact has.
+    fn blocks(count: u32, friction: impl Fn(f64) -> String) -> Scene {
+        let part = |i: u32| {
             format!(
                 "[[mass]]\nname = \"m{i}\"\nmass = 1.0\nforce = [0.0, -10.0]\n[[spring]]\nname = \"s{i}\"\nbetween = [\"m{i}\", \"ground\"]\n\
                  direction = \"x\"\nstiffness = 1e4\n[[contact]]\nname = \"c{i}\"\nmass = \"m{i}\"\nfriction = {}\n",
-                0.3 + 0.001 * i as f64
+                friction(f64::from(i))
             )
         };
-        let parts: String = (0..130).map(part).collect();
+        let parts: String = (0..count).map(part).collect();
         let head = "slider = { velocity = 0.1, angle = 0.0 }\nfriction = { coefficient = 0.3 }\nintegrator = { step = 1e-5 }\n";
-        let scene = parse("many", &format!("{head}{parts}")).unwrap();
+        parse("many", &format!("{head}{parts}")).unwrap()
+    }
+
+    /// With a draw of each there would be more than a Sobol sequence has dimensions.
+    #[test]
+    fn many_contacts_with_friction_of_their_own_scatter_together() {
+        let scene = blocks(130, |i| format!("{}", 0.3 + 0.001 * i));
         assert_eq!(
             names(&scene),
             [
@@ -295,6 +318,19 @@ mod tests {
             ]
         );
         assert!(Assumptions::of(&scene, &[]).unwrap().is_together);
+    }
+
+    #[test]
+    fn friction_that_scatters_together_stays_below_the_static_friction_of_each_contact() {
+        let equal = blocks(44, |i| format!("0.3\nstatic_friction = {}", 0.33 + 0.001 * i));
+        assert_eq!(names(&equal)[0], "contact.*.friction=together normal(0.3,0.03,0:0.33)");
+        let far = blocks(44, |i| format!("{}\nstatic_friction = 2", 0.3 + 0.001 * i));
+        assert_eq!(names(&far)[0], "contact.*.friction=together normal(±10%)");
+        let near = blocks(44, |i| format!("{}\nstatic_friction = 0.35", 0.3 + 0.001 * i));
+        let assumed = Assumptions::of(&near, &[]).unwrap();
+        assert!(assumed.has_friction_apart() && !assumed.is_friction_alone);
+        let names = names(&near);
+        assert!(names.len() == 46 && names[..44].iter().all(|it| it.ends_with(",0:0.35)")));
     }
 
     #[test]

@@ -20,6 +20,8 @@ pub const MOST_NAMED: usize = 4;
 const CHANGED: usize = 4;
 /// Changes, in parts of a parameter.
 const PARTS: [f64; 2] = [0.05, 0.10];
+/// Values of µ that differ by a smaller part of themselves are equal: a critical µ at which modes merge is known no better.
+pub const EQUAL_FRICTION: f64 = 1e-6;
 
 /// A change of one parameter, or of several at once.
 #[derive(Clone, Debug, Serialize)]
@@ -37,6 +39,20 @@ pub struct Change {
     pub growing: usize,
     /// The µ at which growth begins after the change: below the scene's µ if a mode grows there, else above it.
     pub onset: Onset,
+    /// `true` if the scene is better after the change, by what changes are ordered by.
+    pub improves: bool,
+}
+
+/// The scene before changes.
+pub struct Before {
+    /// The number of modes that grow.
+    pub growing: usize,
+    /// The largest growth rate of all modes, 1/s.
+    pub growth: f64,
+    /// The part of the growth rate that may be rounding, 1/s.
+    pub rounding: f64,
+    /// The µ at which growth begins, as after changes.
+    pub onset: Onset,
 }
 
 /// The µ at which growth begins.
@@ -47,8 +63,30 @@ pub enum Onset {
     NotSought,
     /// This µ.
     At(f64),
-    /// No mode begins to grow up to this µ.
-    Above(f64),
+    /// Outside of this range, which begins at the µ of the (changed) scene: no mode grows in it.
+    Outside([f64; 2]),
+}
+
+impl Before {
+    /// `true` if the scene is better after a change: where a mode grows, a lower growth rate or fewer modes that grow; where none
+    /// grows, a larger µ at which growth begins or, if that is unknown or outside of the range, a faster decay.
+    fn is_improved_by(&self, change: &Change) -> bool {
+        let Some(computed) = change.computed else { return false };
+        let is_lower = computed < self.growth - self.rounding;
+        if self.growing > 0 {
+            let is_higher = computed > self.growth + self.rounding;
+            return is_lower || (change.growing < self.growing && !is_higher);
+        }
+        let [before, after] = [self.onset, change.onset].map(Onset::order);
+        let is_known = self.onset != Onset::NotSought && change.onset != Onset::NotSought;
+        let rounding = EQUAL_FRICTION * before.abs();
+        change.growing == 0
+            && match self.onset {
+                _ if !is_known => is_lower,
+                Onset::Outside(_) => after >= before - rounding && is_lower,
+                _ => after > before + rounding,
+            }
+    }
 }
 
 impl Onset {
@@ -56,8 +94,8 @@ impl Onset {
     pub fn order(self) -> f64 {
         match self {
             Self::NotSought => f64::NEG_INFINITY,
-            Self::At(value) => value,
-            Self::Above(_) => f64::INFINITY,
+            // Growth at this µ at most, or in all of the range not.
+            Self::At(value) | Self::Outside([_, value]) => value,
         }
     }
 }
@@ -67,7 +105,9 @@ impl fmt::Display for Onset {
         match self {
             Self::NotSought => f.write_str("–"),
             Self::At(value) => f.write_str(&digits(*value, 4)),
-            Self::Above(value) => write!(f, "above {}", digits(*value, 4)),
+            Self::Outside([from, to]) => {
+                write!(f, "not from {} to {}", digits(*from, 4), digits(*to, 4))
+            }
         }
     }
 }
@@ -139,6 +179,7 @@ pub fn changes(
     found: &Sensitivities,
     critical: Option<&CriticalFriction>,
     onset: &OnsetOf<'_>,
+    before: &Before,
     watch: Watch<'_>,
 ) -> Result<Vec<Change>, String> {
     let Some(&leading) = by_growth(found).first() else { return Ok(Vec::new()) };
@@ -160,7 +201,9 @@ pub fn changes(
     let mut all = Vec::new();
     for (number, levers) in (1_u32..).zip(&wanted) {
         watch.check().map_err(words)?;
-        all.push(change(scene, leading, levers, onset).map_err(words)?);
+        let mut change = change(scene, leading, levers, onset).map_err(words)?;
+        change.improves = before.is_improved_by(&change);
+        all.push(change);
         (watch.progress)(f64::from(number) / wanted.len() as f64);
     }
     Ok(all)
@@ -183,11 +226,12 @@ fn unknown(mode: &ModeSensitivity, critical: Option<&CriticalFriction>) -> Optio
     }
 }
 
-/// The places of the largest changes of one parameter each, the most helpful first: those after which no mode grows by the µ at which
-/// one begins to, then by the largest growth rate.
+/// The places of the largest changes of one parameter each that improve the scene, the most helpful first: those after which no mode
+/// grows by the µ at which one begins to, then by the largest growth rate.
 pub fn best(changes: &[Change]) -> Vec<usize> {
-    let is_single = |change: &Change| change.is_large() && change.parameters.len() == 1;
-    let mut places: Vec<usize> = (0..changes.len()).filter(|i| is_single(&changes[*i])).collect();
+    let is_wanted =
+        |change: &Change| change.improves && change.is_large() && change.parameters.len() == 1;
+    let mut places: Vec<usize> = (0..changes.len()).filter(|i| is_wanted(&changes[*i])).collect();
     let order = |place: usize| {
         let change = &changes[place];
         let computed = change.computed.unwrap_or(f64::INFINITY);
@@ -203,9 +247,9 @@ pub fn best(changes: &[Change]) -> Vec<usize> {
     places
 }
 
-/// The place of the largest change of all these parameters at once.
+/// The place of the largest change of all these parameters at once, if it improves the scene.
 pub fn together(changes: &[Change]) -> Option<usize> {
-    changes.iter().position(|one| one.is_large() && one.parameters.len() > 1)
+    changes.iter().position(|one| one.improves && one.is_large() && one.parameters.len() > 1)
 }
 
 /// The parameters by their effect on a mode, the largest first. Of a mode that is near a merging the µ of that counts.
@@ -270,6 +314,7 @@ fn change(
         computed: growth,
         growing: growing.len(),
         onset: onset(&changed),
+        improves: false,
     })
 }
 
@@ -287,11 +332,40 @@ mod tests {
         let states = here.uniform_sliding().unwrap();
         let mut found = sensitivities(&here, &states, [0.0, 1e4], &|_, _| {}).unwrap();
         let of = |found: &Sensitivities| {
-            changes(&scene, found, None, &|_| Onset::NotSought, Watch::IDLE)
+            let (growing, growth) = (1, f64::INFINITY);
+            let before = Before { growing, growth, rounding: 0.0, onset: Onset::NotSought };
+            changes(&scene, found, None, &|_| Onset::NotSought, &before, Watch::IDLE)
         };
         assert!(!of(&found).unwrap().is_empty());
         found.modes.iter_mut().for_each(|mode| (mode.derivatives, mode.merging) = (None, None));
         let reason = of(&found).unwrap_err();
         assert!(reason.contains("equal to another mode with the same shape"), "{reason}");
+    }
+
+    #[test]
+    fn a_change_helps_if_growth_falls_or_begins_at_a_larger_friction() {
+        let after = |growth: f64, growing: usize, onset: Onset| Change {
+            parameters: vec![("mass.disc.mass".to_owned(), 0.1)],
+            values: vec![[1.0, 1.1]],
+            predicted: None,
+            computed: Some(growth),
+            growing,
+            onset,
+            improves: false,
+        };
+        let grows = Before { growing: 2, growth: 5.0, rounding: 1e-6, onset: Onset::At(0.3) };
+        assert!(grows.is_improved_by(&after(4.0, 2, Onset::At(0.2))));
+        assert!(grows.is_improved_by(&after(5.0, 1, Onset::NotSought)));
+        assert!(!grows.is_improved_by(&after(5.0, 2, Onset::At(0.4))));
+        assert!(!grows.is_improved_by(&after(6.0, 1, Onset::At(0.4))));
+        let quiet = Before { growing: 0, growth: -5.0, rounding: 1e-6, onset: Onset::At(0.5) };
+        assert!(quiet.is_improved_by(&after(-4.0, 0, Onset::At(0.6))));
+        assert!(quiet.is_improved_by(&after(-4.0, 0, Onset::Outside([0.4, 0.7]))));
+        assert!(!quiet.is_improved_by(&after(-6.0, 0, Onset::At(0.5 + 1e-9))));
+        assert!(!quiet.is_improved_by(&after(1.0, 1, Onset::At(0.6))));
+        let far = Before { onset: Onset::Outside([0.4, 0.7]), ..quiet };
+        assert!(far.is_improved_by(&after(-6.0, 0, Onset::Outside([0.4, 0.7]))));
+        assert!(!far.is_improved_by(&after(-6.0, 0, Onset::At(0.6))));
+        assert!(!far.is_improved_by(&after(-5.0, 0, Onset::Outside([0.4, 0.7]))));
     }
 }

@@ -31,7 +31,7 @@ use amontons::scene::Scene;
 use amontons::simulation::at_instant;
 use amontons_analysis::instant::signals_left_out;
 use amontons_analysis::robustness::{
-    Both, Design, FEWEST_SCRAMBLINGS, Parameter, Pushes, both, check_size, parameters,
+    Both, Design, Estimate, FEWEST_SCRAMBLINGS, Parameter, Pushes, both, check_size, parameters,
     push_velocity,
 };
 use amontons_analysis::stability::{Linearised, modes};
@@ -43,7 +43,7 @@ use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
 use amontons_cli::say;
 use amontons_cli::shards::ShardArguments;
-use amontons_cli::words::four;
+use amontons_cli::words::{digits, four};
 use amontons_pictures::report::{self, Page};
 use assumptions::{Assumptions, Plan};
 use changes::Change;
@@ -289,6 +289,11 @@ fn number(value: f64) -> String {
     if value < 0.0 { format!("−{}", four(-value)) } else { four(value) }
 }
 
+/// A probability and the ends of its interval, in per cent.
+fn per_cent(Estimate { value, low, high }: &Estimate) -> [String; 3] {
+    [value, low, high].map(|part| digits(100.0 * part, 3))
+}
+
 impl Report<'_> {
     /// The probabilities, where they are known.
     fn probabilities(&self) -> Option<&Both> {
@@ -327,7 +332,7 @@ impl Report<'_> {
             "robustness": self.probabilities().map(|both| &both.eigenvalues),
             "runs": self.probabilities().map(|both| &both.runs),
             "robustness_unknown": self.robustness.as_ref().err(),
-            "after_changes": self.after,
+            "after_changes": self.after.as_json(),
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Uniform sliding: its modes, its modes over µ, and the derivatives of those that grow.
 
-use super::changes::{Change, Onset, changes};
+use super::changes::{Before, Change, EQUAL_FRICTION, Onset, changes};
 use super::numbers::numbers;
 use amontons::Error;
 use amontons::contact::ContactState;
@@ -14,6 +14,7 @@ use amontons_analysis::stability::{
     CriticalFriction, Linearised, Mode, Modes, Sensitivities, critical_at, modes, sensitivities,
 };
 use amontons_analysis::watch::Watch;
+use amontons_cli::words::sensitivity::critical_effects;
 use serde_json::{Value, json};
 
 /// Number of steps of a locus; a critical µ is located between two of its values.
@@ -83,9 +84,10 @@ impl Found {
 }
 
 impl OverFriction {
-    /// The critical µ next above the scene's, at which a mode begins to grow.
+    /// The critical µ next above the scene's, at which a mode begins to grow; of equal ones, as a merging has them, one that
+    /// parameters have an effect on.
     pub fn next(&self) -> Option<&CriticalFriction> {
-        self.critical.iter().find(|one| one.becomes_unstable && one.value > self.own)
+        next(&self.critical, self.own)
     }
 
     /// Where growth begins at the scene's µ or, if no mode grows there, beyond it.
@@ -105,26 +107,44 @@ impl OverFriction {
         self.locus.branches.iter().map(at).collect()
     }
 
-    /// The µ at which growth of a changed scene begins, in the same range.
+    /// The µ at which growth of a changed scene begins, in the same range or in the part of it that has an equilibrium.
     fn onset(&self, scene: &Scene, states: &[ContactState], watch: Watch<'_>) -> Onset {
         if self.locus.branches.len() > MOST_CHANGED {
             return Onset::NotSought;
         }
-        let here = |value: f64| {
-            watch.check()?;
-            let mut scene = scene.clone();
-            assign(&mut scene, FRICTION, value)?;
-            Ok(Linearised::of(&scene))
-        };
-        match locus(&here, states, &self.locus.values, ALL_FREQUENCIES, &|_, _| {}) {
-            Err(_) => Onset::NotSought,
-            Ok(found) => match Growth::over(&found, self.own) {
-                Growth::Since(value) | Growth::From(value) => Onset::At(value),
-                Growth::Throughout => Onset::NotSought,
-                Growth::Never => Onset::Above(self.end),
-            },
+        let here = |value: f64| Ok(Linearised::of(&with_friction(scene, value, watch)?));
+        let over = |values: &[f64]| locus(&here, states, values, ALL_FREQUENCIES, &|_, _| {}).ok();
+        let smaller = || over(&equilibrium_values(scene, states, self.end, watch).ok()?);
+        let found = over(&self.locus.values).or_else(smaller);
+        found.map_or(Onset::NotSought, |found| Onset::of(&found, scene.friction_coefficient))
+    }
+}
+
+impl Onset {
+    /// Of a locus over µ, seen from the scene's µ.
+    fn of(locus: &Locus, own: f64) -> Self {
+        let end = locus.values[locus.values.len() - 1];
+        match Growth::over(locus, own) {
+            Growth::Since(value) | Growth::From(value) => Self::At(value),
+            Growth::Never if own < end => Self::Outside([own, end]),
+            Growth::Throughout | Growth::Never => Self::NotSought,
         }
     }
+}
+
+/// The critical µ next above a value, at which a mode begins to grow. Where modes merge, rounding makes several of one: the first
+/// that parameters have an effect on counts.
+fn next(critical: &[CriticalFriction], own: f64) -> Option<&CriticalFriction> {
+    let above = || critical.iter().filter(|one| one.becomes_unstable && one.value > own);
+    let first = above().next()?;
+    let is_equal = |one: &&CriticalFriction| {
+        (one.value - first.value).abs() <= EQUAL_FRICTION * first.value.abs()
+    };
+    let is_moved = |one: &&CriticalFriction| {
+        let effects = critical_effects(one);
+        effects.iter().any(|effect| !effect.is_by_unit() && effect.largest()[0] != 0.0)
+    };
+    above().filter(is_equal).find(is_moved).or(Some(first))
 }
 
 /// Where modes grow in a range of µ, seen from one of its values.
@@ -243,8 +263,15 @@ fn changed(
     let sensitivities = found.sensitivities.as_ref().map_err(String::clone)?;
     let next = over.filter(|_| !found.modes.unstable()).and_then(OverFriction::next);
     let onset = |scene: &Scene| over.map_or(Onset::NotSought, |it| it.onset(scene, states, watch));
+    let own = scene.friction_coefficient;
+    let before = Before {
+        growing: found.growing().len(),
+        growth: found.leading().map_or(0.0, |(_, mode)| mode.growth_rate()),
+        rounding: found.leading().map_or(0.0, |(_, mode)| ROUNDING * mode.eigenvalue.norm()),
+        onset: over.map_or(Onset::NotSought, |over| Onset::of(&over.locus, own)),
+    };
     let progress = |part: f64| (watch.progress)(ENDS[1] + (1.0 - ENDS[1]) * part);
-    changes(scene, sensitivities, next, &onset, Watch { progress: &progress, ..watch })
+    changes(scene, sensitivities, next, &onset, &before, Watch { progress: &progress, ..watch })
 }
 
 fn found(here: &Linearised, states: &[ContactState], watch: Watch<'_>) -> Result<Found, Error> {
@@ -288,32 +315,49 @@ fn over_friction(
     let own = scene.friction_coefficient;
     // A round number is one that a command line can have.
     let last = if own == 0.0 { 1.0 } else { to_significant(BEYOND * own, 12) };
-    let with = |value: f64| {
-        watch.check()?;
-        let mut scene = scene.clone();
-        assign(&mut scene, FRICTION, value)?;
-        scene.check()?;
-        Ok::<Scene, Error>(scene)
-    };
-    let here = |value: f64| Ok(Linearised::of(&with(value)?));
-    let is_possible = |value: f64| here(value)?.equilibrium_in(states).map(|_| ());
-    let ranges = equilibrium_ranges(&is_possible, &values(0.0, last));
-    let holds_own = |range: &&[f64; 2]| range[0] <= own && own <= range[1];
-    let Some(&[from, to]) = ranges.iter().find(holds_own) else {
-        return Err("uniform sliding has no equilibrium at the scene's µ".into());
-    };
-    if to <= from {
-        return Err("uniform sliding has an equilibrium at the scene's µ alone".into());
-    }
+    let values = equilibrium_values(scene, states, last, watch)?;
+    let end = values[values.len() - 1];
+    let here = |value: f64| Ok(Linearised::of(&with_friction(scene, value, watch)?));
     let words = |error: Error| format!("the modes cannot be followed over µ: {error}");
-    let values = values(from, to);
     let done = |done: usize, all: usize| {
         (watch.progress)(ENDS[0] + (ENDS[1] - ENDS[0]) * share(done, all));
     };
     let locus = locus(&here, states, &values, ALL_FREQUENCIES, &done).map_err(words)?;
     let critical = critical_at(scene, states, &locus.crossings).map_err(words)?;
     let numbers = (1..=locus.branches.len()).collect();
-    Ok(OverFriction { locus, numbers, critical, own, end: to, is_cut: to < last })
+    Ok(OverFriction { locus, numbers, critical, own, end, is_cut: end < last })
+}
+
+/// The scene with another µ.
+fn with_friction(scene: &Scene, value: f64, watch: Watch<'_>) -> Result<Scene, Error> {
+    watch.check()?;
+    let mut scene = scene.clone();
+    assign(&mut scene, FRICTION, value)?;
+    scene.check()?;
+    Ok(scene)
+}
+
+/// Values of µ from 0 to a last one, in the part of this range about the scene's µ in which uniform sliding has an equilibrium.
+fn equilibrium_values(
+    scene: &Scene,
+    states: &[ContactState],
+    last: f64,
+    watch: Watch<'_>,
+) -> Result<Vec<f64>, String> {
+    let is_possible = |value: f64| {
+        let scene = with_friction(scene, value, watch)?;
+        Linearised::of(&scene).equilibrium_in(states).map(|_| ())
+    };
+    let ranges = equilibrium_ranges(&is_possible, &values(0.0, last));
+    let own = scene.friction_coefficient;
+    let holds_own = |range: &&[f64; 2]| range[0] <= own && own <= range[1];
+    match ranges.iter().find(holds_own) {
+        None => Err("uniform sliding has no equilibrium at the scene's µ".into()),
+        Some([from, to]) if to <= from => {
+            Err("uniform sliding has an equilibrium at the scene's µ alone".into())
+        }
+        Some(&[from, to]) => Ok(values(from, to)),
+    }
 }
 
 /// A number of pieces as a part of all.
@@ -331,6 +375,27 @@ fn values(from: f64, to: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use amontons::scene::builtin;
+
+    /// Where modes merge, rounding makes several critical µ of one, and the first may have derivatives of zero, or none.
+    #[test]
+    fn of_equal_critical_friction_the_next_is_one_that_parameters_have_an_effect_on() {
+        let scene = builtin("disc_brake").unwrap().scene();
+        let states = Linearised::of(&scene).uniform_sliding().unwrap();
+        let critical = over_friction(&scene, &states, Watch::IDLE).unwrap().critical;
+        let moved = critical.into_iter().find(|one| one.becomes_unstable).unwrap();
+        let mut still = CriticalFriction { value: moved.value * (1.0 - 1e-10), ..moved.clone() };
+        still.derivatives.iter_mut().flatten().for_each(|it| it.1.fill(0.0));
+        let mut unknown = still.clone();
+        unknown.derivatives = Err(Error::analysis("modes are equal"));
+        for first in [&still, &unknown] {
+            assert_eq!(next(&[first.clone(), moved.clone()], 0.1), Some(&moved));
+            assert_eq!(next(std::slice::from_ref(first), 0.1), Some(first));
+        }
+        let apart = CriticalFriction { value: 0.9 * moved.value, ..still };
+        assert_eq!(next(&[apart.clone(), moved.clone()], 0.1), Some(&apart));
+        assert_eq!(next(&[moved], 0.9), None);
+    }
 
     #[test]
     fn growth_is_told_from_where_no_mode_grows() {

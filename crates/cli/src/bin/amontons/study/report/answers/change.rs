@@ -3,8 +3,8 @@
 use super::super::Report;
 use super::super::after::{ChangedMotion, Outcome};
 use super::super::changes::{Change, MOST_NAMED, Onset, best, together};
-use super::super::number as four;
 use super::super::sliding::OverFriction;
+use super::super::{number as four, per_cent};
 use super::least_push;
 use amontons_analysis::robustness::Estimate;
 use amontons_cli::words::digits;
@@ -23,24 +23,31 @@ pub(super) fn change(report: &Report<'_>) -> Vec<String> {
     let Some((_, leading)) = found.leading() else {
         return vec!["Unknown: uniform sliding has no mode.".to_owned()];
     };
-    if single.is_empty() {
-        return vec![
-            "No change of a single parameter by 10 % moves the growth rate of the leading mode."
-                .to_owned(),
-        ];
+    let next = report.sliding.over_friction.as_ref().ok().and_then(OverFriction::next);
+    let next = next.filter(|_| is_stable);
+    if changes.is_empty() {
+        let of = next.map_or_else(
+            || "the growth rate of the leading mode".to_owned(),
+            |next| format!("the critical µ = {}", digits(next.value, 4)),
+        );
+        return vec![format!("No change of a single parameter by 10 % moves {of}.")];
     }
+    // Without its µ at which growth begins a change is ordered by its growth rate.
+    let next = next.filter(|_| changes.iter().any(|one| one.onset != Onset::NotSought));
     let now = four(leading.growth_rate());
     let result = |change: &Change| match change.computed {
         None => "there is no equilibrium".to_owned(),
         Some(rate) => {
             let grows = if change.growing == 0 { "no mode grows" } else { "a mode still grows" };
-            let growth = format!("{} 1/s, {grows}", four(rate));
+            let growth = format!("the largest growth rate is {} 1/s, {grows}", four(rate));
             match change.onset {
                 Onset::NotSought => growth,
                 Onset::At(onset) => {
                     format!("{growth}; growth begins at µ = {}", digits(onset, 4))
                 }
-                Onset::Above(end) => format!("{growth} up to µ = {}", digits(end, 4)),
+                Onset::Outside([from, to]) => {
+                    format!("{growth} from µ = {} to {}", digits(from, 4), digits(to, 4))
+                }
             }
         }
     };
@@ -51,23 +58,30 @@ pub(super) fn change(report: &Report<'_>) -> Vec<String> {
     } else {
         "Nothing needs to change for uniform sliding to be stable."
     };
-    let next = report.sliding.over_friction.as_ref().ok().and_then(OverFriction::next);
+    let none = "No change of one parameter by 10 % that was computed improves this.";
     let mut said = vec![match (is_stable, next) {
+        (false, _) if single.is_empty() => format!("The largest growth rate is {now} 1/s. {none}"),
         (false, _) => format!(
             "The largest growth rate is {now} 1/s. Of the changes of one parameter that were computed anew these help most:"
         ),
+        (true, Some(next)) if single.is_empty() => {
+            format!("{stable} A mode begins to grow at µ = {}. {none}", digits(next.value, 4))
+        }
         (true, Some(next)) => format!(
             "{stable} A mode begins to grow at µ = {}; of the changes of one parameter that were computed anew these raise \
              this µ most:",
             digits(next.value, 4)
         ),
+        (true, None) if single.is_empty() => {
+            format!("{stable} The largest growth rate is {now} 1/s. {none}")
+        }
         (true, None) => format!(
             "{stable} The largest growth rate is {now} 1/s; of the changes that were computed anew these help most:"
         ),
     }];
     let unstable = |place: usize| match unstable_after(report, place) {
-        Some(Ok(Estimate { value, low, high })) => {
-            let [value, low, high] = [value, low, high].map(|part| digits(100.0 * part, 3));
+        Some(Ok(found)) => {
+            let [value, low, high] = per_cent(found);
             format!(
                 "; P(unstable) with the same scatter {value} % (95 % interval {low} to {high} %)"
             )

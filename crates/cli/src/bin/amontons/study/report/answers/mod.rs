@@ -253,6 +253,9 @@ fn probable(report: &Report<'_>) -> Vec<String> {
     let count = report.parameters.len();
     let scatter = if report.assumptions.is_assumed {
         let parts = match report.assumptions.has() {
+            [true, true] if report.assumptions.has_friction_apart() => {
+                "friction of each contact scatters by ±10 %, and masses and stiffnesses by ±5 %, all of one kind by the same part"
+            }
             [true, true] if report.assumptions.is_together => {
                 "friction scatters by ±10 %, and masses and stiffnesses by ±5 %, all of one kind by the same part"
             }

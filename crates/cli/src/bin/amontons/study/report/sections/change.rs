@@ -3,11 +3,11 @@
 use super::super::Report;
 use super::super::answers::unstable_after;
 use super::super::changes::Change;
-use super::super::number as four;
 use super::super::sliding::Found;
+use super::super::{number as four, per_cent};
 use super::{cell, figure, scene_words, table};
+use amontons::decimal::to_significant;
 use amontons_analysis::assign::FRICTION;
-use amontons_analysis::robustness::Estimate;
 use amontons_analysis::stability::{CriticalFriction, ModeSensitivity, Sensitivities};
 use amontons_cli::words::sensitivity::{
     Effect, bars, by_growth, critical_effects, mode_effects, place, signed, value,
@@ -48,7 +48,7 @@ pub fn section(report: &Report<'_>) -> Section {
     match &found.changes {
         Ok(changes) if changes.is_empty() => {
             section.text.push(
-                "No parameter that may be changed by 5 and 10 % has an effect on these modes."
+                "No parameter that may be changed by 5 and 10 % has an effect on these modes and critical µ."
                     .to_owned(),
             );
         }
@@ -137,13 +137,17 @@ fn of_scatter(report: &Report<'_>) -> String {
         .to_owned()
 }
 
+/// The part of the scene's µ up to which a design is sought.
+const BEYOND: f64 = 1.2;
+
 /// Adds the command that looks for the smallest change of these parameters after which no mode grows.
 fn add_design(report: &Report<'_>, changes: &[Change], section: &mut Section) {
     let Ok(over) = &report.sliding.over_friction else { return };
     let is_stable = report.sliding.found.as_ref().is_ok_and(|found| found.growing().is_empty());
     let own = report.still.friction_coefficient;
     let first = over.locus.values[0];
-    let last = if is_stable { over.end } else { own };
+    // Friction scatters: about half of all scenes like this one have more of it.
+    let last = if is_stable { over.end } else { to_significant(BEYOND * own, 6).min(over.end) };
     if is_stable && over.next().is_none() || last <= first {
         return;
     }
@@ -188,8 +192,8 @@ fn computed(report: &Report<'_>, changes: &[Change]) -> Table {
             cell(result, grows),
             change.onset.to_string().into(),
             match unstable_after(report, place) {
-                Some(Ok(Estimate { value, low, high })) => {
-                    let [value, low, high] = [value, low, high].map(|it| digits(100.0 * it, 3));
+                Some(Ok(found)) => {
+                    let [value, low, high] = per_cent(found);
                     format!("{value} % ({low} to {high})")
                 }
                 Some(Err(_)) => "unknown".to_owned(),

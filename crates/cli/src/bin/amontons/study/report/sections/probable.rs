@@ -2,6 +2,7 @@
 
 use super::super::Report;
 use super::{cell, figure, table};
+use amontons::simulation::Parameters;
 use amontons_analysis::robustness::{Index, Parameter, Uncertain};
 use amontons_cli::charts::robustness::{histogram, indices};
 use amontons_cli::words::robustness as words;
@@ -23,9 +24,15 @@ pub fn section(report: &Report<'_>) -> Section {
             .to_owned(),
     });
     if assumptions.is_together && !assumptions.is_friction_alone {
+        let but = if assumptions.has_friction_apart() {
+            ", but for friction, which stays below the static friction of each contact"
+        } else {
+            ""
+        };
         section.text.push(format!(
             "There are more values than can scatter each by itself. All values of one kind, such as all masses, change by the same part of \
-             themselves here: {} draws in place of one for each value. Values that scatter independently may give other probabilities.",
+             themselves here: {} draws in place of one for each value{but}. Values that scatter independently may give other \
+             probabilities.",
             report.parameters.len()
         ));
     }
@@ -117,13 +124,15 @@ pub fn section(report: &Report<'_>) -> Section {
 
 /// The parameters that scatter, as they were given.
 fn scatter(report: &Report<'_>) -> Table {
+    let all = Parameters::of(report.scene.clone());
     let rows = report.assumptions.uncertain.iter().map(|uncertain| {
         let Uncertain { name, .. } = uncertain;
-        let of_name = || report.parameters.iter().filter(|one| uncertain.is_of(one.name()));
-        let values = of_name().map(|one| one.nominal);
-        let [least, most] = amontons::numerics::range(values);
+        let of_name = report.parameters.iter().filter(|one| uncertain.is_of(one.name()));
+        // Of values that scatter together a parameter has the first one.
+        let own = all.iter().filter(|(variable, _)| uncertain.is_of(&variable.name));
+        let [least, most] = amontons::numerics::range(own.map(|(_, value)| value));
         let values = if least == most { format!("{least}") } else { format!("{least} to {most}") };
-        let count = of_name().count().to_string();
+        let count = of_name.count().to_string();
         vec![name.clone().into(), uncertain.written().into(), count.into(), values.into()]
     });
     let caption = "What scatters; ± is a standard deviation of a normal distribution about the scene's value, and half the width of a \

@@ -93,7 +93,12 @@ fn modes(found: &Found) -> Table {
 /// The damping ratio in per cent; a motion that neither oscillates nor decays has none.
 fn damping_ratio(mode: &Mode) -> String {
     let ratio = 100.0 * mode.damping_ratio();
-    if ratio.is_finite() { format!("{ratio:.3} %").replace('-', "−") } else { "–".to_owned() }
+    if !ratio.is_finite() {
+        return "–".to_owned();
+    }
+    let told = format!("{ratio:.3} %");
+    // Zero has no sign.
+    if told == "-0.000 %" { told.replace('-', "") } else { told.replace('-', "−") }
 }
 
 /// `grows`, `decays`, or neither.
