@@ -250,8 +250,8 @@ fn print_width(widest: f64, out: &mut dyn Write) -> Result<(), Failure> {
         let widest = significant(widest, 2);
         writeln!(
             out,
-            "\nEach state was examined in steps of µ up to {widest}: a mode that grows only within a smaller range \
-             may be missed; a narrower --friction takes smaller steps"
+            "\nEach state was examined in steps of µ up to {widest}: a mode that grows only within a smaller range, \
+             without coming near another mode, may be missed; a narrower --friction takes smaller steps"
         )?;
     }
     Ok(())

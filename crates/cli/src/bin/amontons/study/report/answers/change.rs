@@ -8,6 +8,7 @@ use super::super::{number as four, per_cent};
 use super::least_push;
 use amontons_analysis::robustness::Estimate;
 use amontons_cli::words::digits;
+use std::cmp::Ordering::Equal;
 
 pub(super) fn change(report: &Report<'_>) -> Vec<String> {
     let found = match &report.sliding.found {
@@ -92,7 +93,15 @@ pub(super) fn change(report: &Report<'_>) -> Vec<String> {
         let change = &changes[place];
         format!("{}: {}{}", change.name(), result(change), unstable(place))
     };
-    said.extend(single.iter().take(MOST_NAMED - 1).map(|place| told(*place)));
+    let mut named: Vec<usize> = single.iter().copied().take(MOST_NAMED - 1).collect();
+    let probability = |place: &usize| {
+        unstable_after(report, *place).and_then(|found| Some(found.as_ref().ok()?.value))
+    };
+    // Of several that help the one with the least probability of growth is told first.
+    if named.iter().all(|place| probability(place).is_some()) {
+        named.sort_by(|a, b| probability(a).partial_cmp(&probability(b)).unwrap_or(Equal));
+    }
+    said.extend(named.into_iter().map(told));
     said.extend(together(changes).map(|place| format!("All at once, {}.", told(place))));
     said.extend(report.after.motion.as_ref().map(|motion| motion_after(motion, changes)));
     said

@@ -25,6 +25,10 @@ use amontons_pictures::report::Answer;
 
 /// Growing modes that are named.
 const NAMED: usize = 4;
+/// A scene is at the limit of growth if its µ is within this part of itself of it.
+const NEAR: f64 = 0.01;
+/// A motion has the frequency of a mode if the two differ by less than this part.
+const ALIKE: f64 = 0.05;
 /// Findings on motions that are told where none was measured.
 const MOST_FINDINGS: usize = 3;
 
@@ -65,8 +69,13 @@ fn squeal(report: &Report<'_>) -> Vec<String> {
             }
             Growth::From(value) => {
                 let at = over.next().map(|one| format!(" ({})", at_frequency(one.frequency_hz)));
+                let limit = if value - own < NEAR * own {
+                    " It is at the limit of growth: less than 1 % more friction passes it."
+                } else {
+                    ""
+                };
                 format!(
-                    "A mode begins to grow at µ = {}{}; the scene has µ = {}.",
+                    "A mode begins to grow at µ = {}{}; the scene has µ = {}.{limit}",
                     told(value),
                     at.unwrap_or_default(),
                     told(own)
@@ -144,16 +153,18 @@ fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
     };
     let loud = &loud.found;
     if let Some(least) = least_push(loud) {
+        let smaller = smaller_push(loud, least).map_or_else(String::new, |smaller| {
+            format!(", and one of {} m/s in the same direction came to rest", four(smaller))
+        });
         return vec![
             format!("A push can make it squeal. {stable}"),
             format!(
-                "A push along a candidate led to a lasting motion; the smallest one of those tried that did has {} m/s. Smaller \
-                 ones, and other directions, may do so too.",
+                "A push along a candidate led to a lasting motion; the smallest one of those tried that did has {} m/s{smaller}. \
+                 Others between these, and other directions, may do so too.",
                 four(least)
             ),
         ];
     }
-    let rests = |one: &Attempt| one.ending.as_ref().is_some_and(LongTermMotion::rests);
     let is_unknown = |one: &Attempt| one.motion.is_none() && !rests(one);
     let unknown = loud.rows.iter().any(|row| row.attempts.iter().any(is_unknown));
     let tried = match (loud.rows.len(), unknown) {
@@ -168,6 +179,18 @@ fn quiet(report: &Report<'_>, found: &Found) -> Vec<String> {
         (_, true) => "Some runs after pushes had not settled or failed, so it is unknown if their motions last.".to_owned(),
     };
     vec![format!("No squeal was found with the scene's own values. {stable}"), tried]
+}
+
+/// `true` if a motion came to rest.
+fn rests(attempt: &Attempt) -> bool {
+    attempt.ending.as_ref().is_some_and(LongTermMotion::rests)
+}
+
+/// The largest push, m/s, below the smallest that led to a motion which lasts, and along the same candidate, that came to rest.
+fn smaller_push(loud: &Loudness, least: f64) -> Option<f64> {
+    let row = loud.rows.iter().find(|row| row.attempts.iter().any(|one| one.push == least))?;
+    let smaller = row.attempts.iter().filter(|one| one.push < least && rests(one));
+    smaller.map(|one| one.push).max_by(f64::total_cmp)
 }
 
 /// The smallest push, m/s, that led to a motion which lasts.
@@ -198,8 +221,12 @@ fn loud(report: &Report<'_>) -> Vec<String> {
     let at = motion.ending.frequency;
     let at = at.map_or_else(String::new, |frequency| format!(" at {frequency:.2} Hz"));
     let mut said = vec![format!(
-        "The motion is {}{at}. Its fastest point, {}, moves with {} m/s rms and {} m/s at most, and an amplitude of {}.",
+        "The motion is {}{at}. {}, {}, moves with {} m/s rms and {} m/s at most, and an amplitude of {}.",
         motion.ending.kind.name(),
+        match measured.points.len() {
+            1 => "The measured point".to_owned(),
+            count => format!("The fastest of {count} measured points"),
+        },
         point.point,
         four(point.rms),
         four(point.peak),
@@ -232,9 +259,11 @@ fn loud(report: &Report<'_>) -> Vec<String> {
     let of_modes = || report.sliding.found.as_ref().ok().map(Found::growing);
     if let (true, Some(nearest), Some(growing)) = (found.grows, &motion.nearest, of_modes())
         && !growing.iter().any(|(number, _)| nearest.modes.contains(number))
+        && let Some(frequency) = motion.ending.frequency
+        && (frequency - nearest.frequency).abs() < ALIKE * frequency
     {
         said.push(format!(
-            "This is near mode {} ({:.2} Hz), which decays in uniform sliding, and not near a growing mode.",
+            "This is near mode {} ({:.2} Hz), which does not grow in uniform sliding, and not near a growing mode.",
             nearest.numbers(),
             nearest.frequency
         ));
@@ -284,7 +313,7 @@ fn probable(report: &Report<'_>) -> Vec<String> {
         said.push(format!("{scatter}, uniform sliding is unstable {probability}."));
         if found.no_equilibrium.value > 0.0 {
             said.push(format!(
-                "{:.1} % of the draws have no equilibrium in sliding.",
+                "{:.1} % of the draws have no equilibrium in sliding, and no modes that could grow.",
                 100.0 * found.no_equilibrium.value
             ));
         }
@@ -305,8 +334,8 @@ fn probable(report: &Report<'_>) -> Vec<String> {
     said
 }
 
-/// The parameter whose scatter matters most, with its interval; the two first ones where their intervals overlap, and nothing where
-/// one of the two may not matter at all.
+/// The parameter whose scatter matters most, with its interval; the two first ones where their intervals overlap, or the second has more
+/// than half of the first one's part; nothing where one of two that overlap may not matter at all.
 fn matters(indices: &[(&Parameter, &Index)]) -> Option<String> {
     let mut sorted = indices.to_vec();
     sorted.sort_by(|a, b| b.1.first.value.total_cmp(&a.1.first.value));
@@ -326,7 +355,12 @@ fn matters(indices: &[(&Parameter, &Index)]) -> Option<String> {
                     told(second)
                 )
             }),
-        _ => Some(format!("One scatter matters most; {if_known} {}.", told(first))),
+        second => {
+            let large = |one: &(&Parameter, &Index)| one.1.first.value > 0.5 * first.1.first.value;
+            let next = second.filter(large).map(|one| format!("; the next one is {}", told(one)));
+            let next = next.unwrap_or_default();
+            Some(format!("One scatter matters most; {if_known} {}{next}.", told(first)))
+        }
     }
 }
 
@@ -357,6 +391,8 @@ mod tests {
         let apart = told([0.2, 0.15, 0.25], [0.6, 0.55, 0.65]).unwrap();
         assert!(apart.starts_with("One scatter matters most"), "{apart}");
         assert!(apart.contains(": module[2].k6 by 60 % (95 % interval 55 to 65 %)."), "{apart}");
+        let half = told([0.4, 0.35, 0.45], [0.6, 0.55, 0.65]).unwrap();
+        assert!(half.contains("; the next one is module[1].k6 by 40 %"), "{half}");
         let near = told([0.58, 0.5, 0.66], [0.6, 0.55, 0.65]).unwrap();
         assert!(
             near.starts_with("Two scatters matter most") && near.contains("module[1].k6 by 58 %")

@@ -46,6 +46,11 @@ pub fn section(report: &Report<'_>) -> Section {
         .text
         .push(sentence(&format!("Runs: {}", heading(&[(report.scene, report.observation)]))));
     section.text.push(
+        "Measured points are the masses and nodes with a contact, and the nodes that the scene shows: amontons study loudness --points \
+         measures others."
+            .to_owned(),
+    );
+    section.text.push(
         "Loudness here is a velocity of the structure, not a sound level: that needs a radiating surface, a distance and a reference."
             .to_owned(),
     );
