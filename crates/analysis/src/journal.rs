@@ -56,8 +56,8 @@ impl Journal {
         Self { path, prefix: String::new(), is_ours: Arc::new(|_| true), pages }
     }
 
-    /// The same journal for one of several analyses of one study: the key of each piece begins with `name`, so that equal keys
-    /// of two analyses are two pieces.
+    /// The same journal for one analysis of a study that has several. The key of each of its pieces begins with `name`, so that two
+    /// analyses may use equal keys.
     #[must_use]
     pub fn named(&self, name: &str) -> Self {
         let Self { path, prefix, is_ours, pages } = self;

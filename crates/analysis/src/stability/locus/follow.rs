@@ -3,7 +3,7 @@
 use super::events::{
     BranchPoint, Located, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
 };
-use super::narrow::{Between, Point, assign};
+use super::narrow::{Between, DOUBLE, Point, assign};
 use super::rounding::Branch;
 use super::{Approach, Coalescence, Crossing, Root, order_of_merged};
 use crate::stability::parallel;
@@ -15,8 +15,6 @@ use std::sync::Mutex;
 
 /// Halvings of a step at most, where modes cannot be told apart by continuity.
 const MAX_HALVINGS: u32 = 24;
-/// σ closer than this part of themselves are a double one, whichever is which.
-const DOUBLE: f64 = 1e-8;
 /// The fewest steps in which a range is gone through.
 const FEWEST_STEPS: f64 = 200.0;
 /// An extremum beside an end of the range shows at a point this part of a step from it.

@@ -32,7 +32,7 @@ use std::f64::consts::TAU;
 
 use follow::{FollowedRoots, Watched, follow};
 pub(crate) use narrow::{Between, in_branches};
-pub use rounding::is_neutral;
+pub use rounding::{is_growing, is_neutral};
 
 /// One eigenvalue of a contact state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ pub struct Root {
 }
 
 impl Root {
-    /// `true` if Re λ > 0: by more than rounding only together with `is_neutral`.
+    /// `true` if Re λ > 0. With single dampers that may be rounding: [`Locus::grows`] knows.
     pub(super) fn grows(self) -> bool {
         self.lambda.re > 0.0
     }
@@ -182,11 +182,14 @@ impl Locus {
     pub fn grows_at_first(&self, mode: usize) -> bool {
         match self.turns().find(|turn| turn.mode == mode) {
             Some(turn) => !turn.becomes_unstable,
-            None => {
-                let first = self.branches[mode][0];
-                first.grows() && !(self.is_damped && is_neutral(first.lambda))
-            }
+            None => self.grows(self.branches[mode][0]),
         }
+    }
+
+    /// `true` if a root grows, by more than rounding.
+    #[must_use]
+    pub fn grows(&self, root: Root) -> bool {
+        if self.is_damped { is_growing(root.lambda) } else { root.grows() }
     }
 
     /// `true` if the frequency of a root lies between the bounds.

@@ -28,8 +28,8 @@ const DOUBT: f64 = 4.0;
 const APART: f64 = 0.05;
 /// Values closer than this part of the distance of neighbours are not told apart.
 const RESOLUTION: f64 = 1e-13;
-/// Roots closer than this part of themselves at all values are double ones.
-const DOUBLE: f64 = 1e-8;
+/// Roots closer than this part of themselves are double ones, whichever is which.
+pub(super) const DOUBLE: f64 = 1e-8;
 /// Growth by less than this part of |λ| is not sought.
 const LEAST_GROWTH: f64 = 1e-9;
 
@@ -59,7 +59,7 @@ enum Kind {
     Single,
 }
 
-/// What the roots have in common at the known values.
+/// A property that the roots have at all known values.
 #[derive(Clone, Copy, PartialEq)]
 enum Pattern {
     /// The sign of d: σ are real where it is positive.

@@ -19,6 +19,12 @@ pub fn is_neutral(eigenvalue: Complex<f64>) -> bool {
     eigenvalue.re.abs() <= NEUTRAL * eigenvalue.norm()
 }
 
+/// `true` for the eigenvalue λ of a mode that grows by more than rounding.
+#[must_use]
+pub fn is_growing(eigenvalue: Complex<f64>) -> bool {
+    eigenvalue.re > 0.0 && !is_neutral(eigenvalue)
+}
+
 /// A branch with its points, of which there are at least two.
 pub(super) struct Branch<'a> {
     pub(super) evaluate: &'a Evaluate<'a>,
@@ -44,7 +50,7 @@ impl Branch<'_> {
         let last = self.trace.len() - 1;
         let mut kept = Vec::new();
         let mut grows = false;
-        // The end of the growth that goes on.
+        // The value at which the present growth ends.
         let mut end = None;
         for place in 0..=signs.len() {
             let before = place.checked_sub(1).map(|place| signs[place]);

@@ -38,8 +38,8 @@ pub struct CriticalFriction {
 }
 
 /// The common friction coefficients between two values at which modes with frequencies between two bounds (Hz) of a contact
-/// state begin or cease to grow, with their derivatives by all parameters. They are
-/// those of a locus over two hundred steps; a split of one growing mode into two that diverge is none.
+/// state begin or cease to grow, with their derivatives by all parameters. They are those of a locus over two hundred
+/// steps; a split of one growing mode into two that diverge is none.
 ///
 /// `done` hears how many pieces of the work are done, and of how many.
 ///
@@ -52,15 +52,21 @@ pub fn critical_friction(
     frequencies: [f64; 2],
     done: &dyn Fn(usize, usize),
 ) -> Result<Vec<CriticalFriction>, Error> {
-    let model_at = |value: f64| {
-        let mut scene = scene.clone();
-        assign(&mut scene, FRICTION, value)?;
-        scene.check()?;
-        Ok(Linearised::of(&scene))
-    };
+    let model_at = |value: f64| Ok(Linearised::of(&with_friction(scene, value)?));
     let part = |i: u32| f64::from(i) / f64::from(INTERVALS);
     let values: Vec<f64> = (0..=INTERVALS).map(|i| from + (to - from) * part(i)).collect();
     critical_at(scene, states, &locus(&model_at, states, &values, frequencies, done)?.crossings)
+}
+
+/// The scene with another common friction coefficient.
+///
+/// # Errors
+/// Returns an error if it is impossible.
+fn with_friction(scene: &Scene, value: f64) -> Result<Scene, Error> {
+    let mut scene = scene.clone();
+    assign(&mut scene, FRICTION, value)?;
+    scene.check()?;
+    Ok(scene)
 }
 
 /// The critical friction coefficients at crossings of a locus over the common friction coefficient, with their derivatives; modes
@@ -73,12 +79,6 @@ pub fn critical_at(
     states: &[ContactState],
     crossings: &[Crossing],
 ) -> Result<Vec<CriticalFriction>, Error> {
-    let with = |value: f64| {
-        let mut scene = scene.clone();
-        assign(&mut scene, FRICTION, value)?;
-        scene.check()?;
-        Ok::<Scene, Error>(scene)
-    };
     let mut apart: Vec<Crossing> = Vec::new();
     for &crossing in crossings {
         let is_same = |it: &Crossing| {
@@ -89,7 +89,11 @@ pub fn critical_at(
             apart.push(crossing);
         }
     }
-    collect(apart.len(), &|i| Ok(of_crossing(&with(apart[i].value)?, states, apart[i])), &|_| {})
+    collect(
+        apart.len(),
+        &|i| Ok(of_crossing(&with_friction(scene, apart[i].value)?, states, apart[i])),
+        &|_| {},
+    )
 }
 
 /// A critical µ with its derivatives; the scene has this µ.

@@ -11,7 +11,7 @@ use amontons_analysis::assign::assign;
 use amontons_analysis::patterns::in_words;
 use amontons_analysis::stability::Linearised;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
-use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, Root, is_neutral, locus};
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, Root, locus};
 use amontons_analysis::sweep::range::MAX_VALUES;
 use amontons_analysis::sweep::{FRICTION, Possible, axis};
 use amontons_cli::arguments::Values;
@@ -400,9 +400,7 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
     }
     if locus.crossings.is_empty() {
         let points = || locus.followed().flat_map(|(_, branch)| branch.iter().copied());
-        let is_growth =
-            |root: Root| root.lambda.re > 0.0 && !(locus.is_damped && is_neutral(root.lambda));
-        let grows = points().any(|root| locus.contains(root) && is_growth(root));
+        let grows = points().any(|root| locus.contains(root) && locus.grows(root));
         let is_bounded = locus.frequencies != ALL_FREQUENCIES;
         let found = match (grows, is_bounded) {
             (true, false) => "a mode grows everywhere",

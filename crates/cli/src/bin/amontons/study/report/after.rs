@@ -50,7 +50,7 @@ pub enum Outcome {
 }
 
 impl After {
-    /// What is unknown is null, with the reason beside it.
+    /// An unknown value is null, with the reason beside it.
     pub fn as_json(&self) -> Value {
         let unstable = self.unstable.iter().map(|(change, found)| {
             json!({

@@ -99,6 +99,11 @@ fn count(scene: &Scene, uncertain: &[Uncertain]) -> usize {
     uncertain.iter().map(|it| one(it).unwrap_or(MOST + 1)).sum()
 }
 
+/// The distribution of a µ that stays below static friction.
+fn below(value: f64, most: f64) -> String {
+    format!("normal({value},{},0:{most})", OF_FRICTION * value)
+}
+
 /// The common µ and those of contacts, each below its static friction. Together those of contacts are one, if they can be: a
 /// distribution has bounds for equal values only, and others need room for all draws.
 fn of_friction(scene: &Scene, is_together: bool) -> Result<Vec<Uncertain>, Error> {
@@ -107,7 +112,7 @@ fn of_friction(scene: &Scene, is_together: bool) -> Result<Vec<Uncertain>, Error
             return Ok(None);
         }
         let text = match most {
-            Some(most) => format!("normal({value},{},0:{most})", OF_FRICTION * value),
+            Some(most) => below(value, most),
             None => relative(OF_FRICTION),
         };
         let distribution = distribution(&text)?;
@@ -131,7 +136,7 @@ fn of_friction(scene: &Scene, is_together: bool) -> Result<Vec<Uncertain>, Error
     let text = match values[..] {
         [value, ..] if !has_room && values.iter().all(|other| *other == value) => {
             let most = bounded.iter().map(|it| it.1).fold(f64::INFINITY, f64::min);
-            Some(format!("normal({value},{},0:{most})", OF_FRICTION * value))
+            Some(below(value, most))
         }
         _ => has_room.then(|| relative(OF_FRICTION)),
     };

@@ -9,7 +9,7 @@ use amontons::scene::Scene;
 use amontons_analysis::assign::{FRICTION, assign};
 use amontons_analysis::patterns::in_words;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
-use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, Root, is_neutral, locus};
+use amontons_analysis::stability::locus::{ALL_FREQUENCIES, Locus, Root, is_growing, locus};
 use amontons_analysis::stability::{
     CriticalFriction, Linearised, Mode, Modes, Sensitivities, critical_at, modes, sensitivities,
 };
@@ -71,8 +71,7 @@ impl Found {
     /// The modes that grow, the fastest first.
     pub fn growing(&self) -> Vec<(usize, &Mode)> {
         let mut growing: Vec<_> =
-            self.numbered().filter(|(_, mode)| mode.growth_rate() > 0.0).collect();
-        growing.retain(|(_, mode)| !is_neutral(mode.eigenvalue));
+            self.numbered().filter(|(_, mode)| is_growing(mode.eigenvalue)).collect();
         growing.sort_by(|a, b| b.1.growth_rate().total_cmp(&a.1.growth_rate()));
         growing
     }

@@ -5,7 +5,7 @@ use super::super::number as four;
 use super::super::sliding::{Found, OverFriction};
 use super::{cell, figure, sentence, table};
 use amontons_analysis::stability::Mode;
-use amontons_analysis::stability::locus::is_neutral;
+use amontons_analysis::stability::locus::is_growing;
 use amontons_analysis::study::loudness::WayKind;
 use amontons_cli::words::{at_frequency, digits};
 use amontons_pictures::picture::{Mark, numbered_locus_chart};
@@ -73,7 +73,7 @@ fn modes(found: &Found) -> Table {
         all.truncate(MOST_MODES);
     }
     let row = |(number, mode): (usize, &Mode)| {
-        let grows = mode.growth_rate() > 0.0 && !is_neutral(mode.eigenvalue);
+        let grows = is_growing(mode.eigenvalue);
         let texts = [
             format!("mode {number}"),
             format!("{:.2}", mode.frequency_hz()),
